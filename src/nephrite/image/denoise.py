@@ -1,0 +1,118 @@
+"""Removes the last noise of a picture with Intel's Open Image Denoise, where `pyoidn` is installed."""
+
+from __future__ import annotations
+
+import importlib
+import warnings
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nephrite.errors import ParameterError
+
+
+class DenoiserWarning(UserWarning):
+    """The denoiser is missing or failed; the picture is as it was rendered."""
+
+
+def available() -> bool:
+    """Tell whether `denoise` will do anything."""
+    return why_unavailable() is None
+
+
+@lru_cache(maxsize=1)
+def why_unavailable() -> str | None:
+    """Return what keeps the denoiser from working and what to do about it, or None if it works."""
+    try:
+        oidn = importlib.import_module("pyoidn")
+        supported = oidn.Device.is_cpu_available()
+    except Exception as error:  # a missing wheel, or a library that this system cannot load
+        return f"pictures are not denoised: {error}. Remedy: pip install pyoidn"
+    return None if supported else "pictures are not denoised: Open Image Denoise does not support this CPU."
+
+
+def denoise(
+    pixels: NDArray, albedo: NDArray | None = None, normal: NDArray | None = None
+) -> NDArray[np.float32]:
+    """Return the picture without its noise; without the library, the picture itself and a warning.
+
+    The warning is a `DenoiserWarning`.
+
+    The network expects noise that is independent from pixel to pixel: render with a `box` filter.
+    Give albedo and normal (`rendering.features.albedo_normal`) to keep textures and creases; both are
+    denoised first, by themselves, so that their own noise does not come back through them.
+
+    Args:
+        pixels: (height, width, 3) linear light, any range; NaN, infinite and negative values count as 0.
+        albedo: The same shape, colour of the first surface in [0, 1].
+        normal: The same shape, normal of the first surface in [-1, 1], 0 where there is none.
+
+    Returns:
+        (height, width, 3) float32, finite and not negative. A copy, unless the library is missing.
+
+    Raises:
+        ParameterError: A shape does not fit.
+
+    Source:
+        Áfra, Intel Open Image Denoise 2, https://www.openimagedenoise.org.
+    """
+    shape = np.shape(pixels)
+    if len(shape) != 3 or shape[2] != 3 or 0 in shape:
+        raise ParameterError(f"a picture must have the shape (height, width, 3), not {shape}.")
+    for name, guide in (("albedo", albedo), ("normal", normal)):
+        if guide is not None and np.shape(guide) != shape:
+            raise ParameterError(f"{name} has the shape {np.shape(guide)}, the picture {shape}.")
+    reason = why_unavailable()
+    if reason is not None:
+        warnings.warn(reason, DenoiserWarning, stacklevel=2)
+        return pixels
+    images = {"color": _clean(pixels, 0.0, np.inf)}
+    if albedo is not None:
+        images["albedo"] = _clean(albedo, 0.0, 1.0)
+    if normal is not None:
+        images["normal"] = _clean(normal, -1.0, 1.0)
+    try:
+        result = _filtered(images)
+    except RuntimeError as error:
+        warnings.warn(f"denoising failed, the picture is as rendered: {error}", DenoiserWarning, stacklevel=2)
+        return images["color"]
+    return np.where(np.isfinite(result), np.maximum(result, 0.0), images["color"])
+
+
+def _clean(image: NDArray, low: float, high: float) -> NDArray[np.float32]:
+    image = np.array(image, np.float32, order="C")
+    image[~np.isfinite(image)] = 0.0
+    return np.clip(image, low, high)
+
+
+def _filtered(images: dict[str, NDArray[np.float32]]) -> NDArray[np.float32]:
+    """Denoise each auxiliary image alone, then the colours guided by them."""
+    oidn = importlib.import_module("pyoidn")
+    with oidn.Device(oidn.OIDN_DEVICE_TYPE_CPU) as device:
+        device.commit()
+        _check(device)
+        guides = {name: _run(oidn, device, {name: images[name]}) for name in images if name != "color"}
+        return _run(oidn, device, {"color": images["color"], **guides}, hdr=True, cleanAux=bool(guides))
+
+
+def _run(oidn: Any, device: Any, images: dict[str, NDArray], **flags: bool) -> NDArray[np.float32]:
+    """Run one filter on `images`, which must stay alive until it has ended."""
+    output = np.empty_like(next(iter(images.values())))
+    with oidn.Filter(device, oidn.OIDN_FILTER_TYPE_RT) as run:
+        for name, image in {**images, "output": output}.items():
+            run.set_image(name, image, oidn.OIDN_FORMAT_FLOAT3)
+        for name, flag in flags.items():
+            run.set_bool(name, flag)
+        run.commit()
+        _check(device)
+        run.execute()
+        _check(device)
+    return output
+
+
+def _check(device: Any) -> None:
+    message = device.get_error()
+    if message is not None:
+        raise RuntimeError(message)
