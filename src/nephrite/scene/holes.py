@@ -1,0 +1,129 @@
+"""Close what is left open: cracks between vertices that nearly touch, then holes, by MeshFix."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from nephrite.scene.check import Finding, face_crosses, plural, signed_volume
+from nephrite.scene.topology import (
+    Floats,
+    Ints,
+    components,
+    edges_of,
+    groups,
+    loop_count,
+    merge_equal,
+    pair_half_edges,
+    weld,
+    wound_alike,
+)
+
+CRACKS = (1e-7, 1e-6, 1e-5, 1e-4)  # widths to try, in diagonals of the mesh
+MOST_LOOPS = 2000  # more boundaries than this are no holes: the mesh is a soup
+THINNEST = 1e-4  # of area**1.5: less volume than this is a sheet with a lid on it, not a body
+
+
+def close_holes(vertices: Floats, faces: Ints) -> tuple[Floats, Ints, list[Finding]]:
+    """Close an open mesh as far as that makes sense; parts that are single sheets stay open.
+
+    Returns:
+        Vertices, faces, and the findings: `cracks` and `open`.
+    """
+    findings: list[Finding] = []
+    rims = int(np.sum(edges_of(faces).balance != 0))
+    vertices, faces = _snapped(vertices, faces)
+    left = int(np.sum(edges_of(faces).balance != 0))
+    if left < rims:
+        text = f"{plural(rims - left, 'open edge')} along cracks between vertices that nearly touch"
+        findings.append(Finding("cracks", rims - left, text, "sewn up"))
+    if not left:
+        return vertices, faces, findings
+    loops = loop_count(faces)
+    if loops > MOST_LOOPS:
+        return vertices, faces, findings
+    vertices, faces, filled, share = _filled(vertices, faces)
+    if filled:
+        still = loop_count(faces)
+        text = f"{plural(left, 'open edge')} in {plural(loops, 'boundary')}"
+        done = f"{loops - still} closed by {plural(filled, 'new face')}, {share:.2g} of the surface"
+        findings.append(Finding("open", left, text, done, solved=share < 0.02))
+    return vertices, faces, findings
+
+
+def _snapped(vertices: Floats, faces: Ints) -> tuple[Floats, Ints]:
+    """Merge vertices on boundaries that nearly touch, at the least distance that closes the most."""
+    from scipy.spatial import cKDTree
+
+    best = np.sum(edges_of(faces).balance != 0)
+    result = vertices, faces
+    edges = edges_of(faces)
+    at = edges.open_half_edges
+    rim = np.unique(np.concatenate([edges.tail[at], edges.head[at]]))
+    diagonal = float(np.linalg.norm(vertices.max(axis=0) - vertices.min(axis=0)))
+    tree = cKDTree((vertices[rim] - vertices.min(axis=0)) / diagonal)
+    for width in CRACKS:
+        if tree.count_neighbors(tree, width) > 50 * len(rim):
+            break  # a cloud of vertices closer than that: merging it would change the shape
+        near = tree.query_pairs(width, output_type="ndarray")
+        if not len(near):
+            continue
+        _, place = groups(rim[near[:, 0]], rim[near[:, 1]], len(vertices))
+        _, first = np.unique(place, return_index=True)
+        moved = vertices[first][place]
+        merged, joined = merge_equal(moved, faces)
+        joined = joined[~(joined == np.roll(joined, -1, axis=1)).any(axis=1)]
+        joined, _, two_sided = wound_alike(joined)
+        if not len(joined) or not two_sided:
+            continue
+        source, welded = weld(joined, pair_half_edges(merged, joined))
+        if (rims := np.sum(edges_of(welded).balance != 0)) < best:
+            best, result = rims, (merged[source], welded)
+        if not best:
+            break
+    return result
+
+
+def _filled(vertices: Floats, faces: Ints) -> tuple[Floats, Ints, int, float]:
+    """Fill the holes of each open part: vertices, faces, number of new faces, their share of the area."""
+    import pymeshfix
+
+    number, part = components(faces)
+    is_open = np.zeros(number, dtype=bool)
+    is_open[part[edges_of(faces).open_half_edges // 3]] = True
+    bodies, shells, offset, new, lid = [vertices], [faces[~is_open[part]]], len(vertices), 0, 0.0
+    low = vertices.min(axis=0)
+    size = float((vertices.max(axis=0) - low).max())
+    for p in np.flatnonzero(is_open):
+        before = faces[part == p]
+        after = before
+        if len(before) > 1:
+            used, compact = np.unique(before, return_inverse=True)
+            fixer = pymeshfix.PyTMesh()
+            fixer.set_quiet(True)
+            fixer.load_array((vertices[used] - low) / size, compact.reshape(-1, 3).astype(np.int32))
+            fixer.fill_small_boundaries(0, True)
+            points, triangles = fixer.return_arrays()
+            points, triangles = points * size + low, triangles.astype(np.int64)
+            if _is_better(points, triangles, vertices, before):
+                bodies.append(points)
+                after = triangles + offset
+                offset += len(points)
+                new += len(triangles) - len(before)
+                lid += _area(points, triangles) - _area(vertices, before)
+        shells.append(after)
+    places, joined = np.concatenate(bodies), np.concatenate(shells)
+    return places, joined, new, lid / _area(places, joined)
+
+
+def _is_better(points: Floats, triangles: Ints, vertices: Floats, before: Ints) -> bool:
+    """Whether a filled part is closed, a body rather than a lid on a sheet, and has lost nothing."""
+    if len(triangles) <= len(before) or edges_of(triangles).balance.any():
+        return False
+    area = _area(points, triangles)
+    if area < _area(vertices, before) * (1 - 1e-6):
+        return False
+    return abs(signed_volume(points, triangles)) > THINNEST * area**1.5
+
+
+def _area(vertices: Floats, faces: Ints) -> float:
+    return float(np.linalg.norm(face_crosses(vertices, faces), axis=1).sum() / 2)

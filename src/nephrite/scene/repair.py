@@ -1,0 +1,186 @@
+"""Make a mesh fit for rendering volumes: closed, facing outwards, without changing its shape.
+
+First what is exact - no vertex moves, no volume changes: vertices at one place are merged, faces turned over
+until neighbours agree, folded pairs of faces cancelled, and bodies that only touch along an edge taken apart.
+That alone closes many scans (the Stanford dragon among them). Only the holes that are left are filled.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from nephrite.errors import MeshError
+from nephrite.scene.check import Finding, examine, face_crosses, face_volumes, flat_faces, plural
+from nephrite.scene.holes import close_holes
+from nephrite.scene.topology import (
+    Floats,
+    Ints,
+    components,
+    edges_of,
+    merge_equal,
+    net_faces,
+    pair_half_edges,
+    weld,
+    wound_alike,
+)
+from nephrite.scene.triangles import TriangleMesh
+
+SPECK = 1e-9  # of the volume: closed parts smaller than this are dust
+FAR = 1e5  # distances from the origin, in lengths of the mesh, at which single precision shows
+
+
+def repair(mesh: TriangleMesh) -> TriangleMesh:
+    """Return the mesh closed where possible, wound outwards, with a report of what was found and done.
+
+    A mesh that is well already comes back with the same triangles. One that can't be closed (a single sheet,
+    a soup of triangles) comes back as the surface that it is, and its report says so.
+
+    Raises:
+        MeshError: nothing is left that has an area.
+    """
+    if mesh.report.repaired:
+        return mesh
+    vertices, faces = mesh.vertices, mesh.faces
+    findings: list[Finding] = []
+    vertices, faces = _without_bad_faces(vertices, faces, findings, mesh.name)
+    _warn_if_far(vertices, findings)
+    faces = _without_folds(faces, findings)
+    faces, turned, two_sided = wound_alike(faces)
+    if turned:
+        findings.append(
+            Finding("winding", turned, f"{plural(turned, 'face')} wound the other way", "turned over")
+        )
+    if not two_sided:
+        findings.append(Finding("one-sided", 1, "a one-sided surface (Möbius strip)", solved=False))
+    vertices, faces = _manifold(vertices, faces, findings)
+    if edges_of(faces).balance.any():
+        vertices, faces, done = close_holes(vertices, faces)
+        findings += done
+    faces = _outwards(vertices, faces, findings)
+    faces = _without_specks(vertices, faces, findings)
+    used, compact = np.unique(faces, return_inverse=True)
+    vertices, faces = vertices[used], compact.reshape(-1, 3).astype(np.int64)
+    now = examine(vertices, faces)
+    known = {finding.kind for finding in findings}
+    still = [finding for finding in now.findings if not (finding.solved and finding.kind in known)]
+    report = replace(now, findings=(*findings, *still), repaired=True)
+    return replace(mesh, vertices=vertices, faces=faces, report=report)
+
+
+def _without_bad_faces(
+    vertices: Floats, faces: Ints, findings: list[Finding], name: str
+) -> tuple[Floats, Ints]:
+    finite = np.isfinite(vertices).all(axis=1)
+    good = finite[faces].all(axis=1)
+    if bad := int(np.sum(~good)):
+        text = f"{plural(bad, 'face')} with coordinates that are not numbers"
+        findings.append(Finding("non-finite", bad, text, "left out"))
+    if not good.any():
+        raise MeshError(f"{name} has no face with finite coordinates. Export it again.")
+    vertices, faces = merge_equal(vertices, faces[good])
+    point = (faces == np.roll(faces, -1, axis=1)).any(axis=1)
+    if bad := int(point.sum()):
+        findings.append(
+            Finding("degenerate", bad, f"{plural(bad, 'face')} shrunk to an edge or a point", "left out")
+        )
+    faces = faces[~point]
+    if not len(faces) or flat_faces(vertices, faces) == len(faces):
+        raise MeshError(f"{name} has no area: all of its faces are points or lines. Export it again.")
+    return vertices, faces
+
+
+def _warn_if_far(vertices: Floats, findings: list[Finding]) -> None:
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    ratio = float(np.abs((low + high) / 2).max() / max((high - low).max(), np.finfo(float).tiny))
+    if ratio > FAR:
+        text = f"the mesh lies {ratio:.2g} times its own size away from the origin"
+        advice = "its file may have lost digits; centre it before exporting"
+        findings.append(Finding("far-away", 1, text, advice, solved=False))
+
+
+def _without_folds(faces: Ints, findings: list[Finding]) -> Ints:
+    left, folded, repeated = net_faces(faces)
+    if repeated and np.sum(edges_of(left).balance != 0) > np.sum(edges_of(faces).balance != 0):
+        left, folded, repeated = net_faces(faces, keep_repeats=True)
+    if not len(left):
+        return faces  # a sheet modelled with both of its sides, and nothing else: nothing to gain
+    if repeated:
+        findings.append(
+            Finding("repeated", repeated, f"{plural(repeated, 'face')} that are there twice", "left out")
+        )
+    if folded:
+        text = f"{plural(folded, 'face')} folded onto each other, without volume between them"
+        findings.append(Finding("folded", folded, text, "left out"))
+    return left
+
+
+def _manifold(vertices: Floats, faces: Ints, findings: list[Finding]) -> tuple[Floats, Ints]:
+    crowded = int(np.sum(edges_of(faces).faces_at > 2))
+    source, welded = weld(faces, pair_half_edges(vertices, faces))
+    if crowded:
+        text = f"{plural(crowded, 'edge')} with more than two faces"
+        findings.append(Finding("non-manifold", crowded, text, "taken apart where bodies only touch"))
+    return vertices[source], welded
+
+
+def _outwards(vertices: Floats, faces: Ints, findings: list[Finding]) -> Ints:
+    """Turn closed parts outwards; one inside another turns with it, so that cavities stay cavities."""
+    number, part = components(faces)
+    volume = np.bincount(part, weights=face_volumes(vertices, faces), minlength=number)
+    is_open = np.zeros(number, dtype=bool)
+    is_open[part[edges_of(faces).open_half_edges // 3]] = True
+    size = np.bincount(part, minlength=number)
+    wrong: list[int] = []
+    budget = 2e8  # faces to be looked at, some ten seconds
+    for p in np.flatnonzero((volume < 0) & ~is_open):
+        point = vertices[faces[np.argmax(part == p)]].mean(axis=0)
+        around = []
+        for q in np.flatnonzero(~is_open & (np.abs(volume) > np.abs(volume[p]))):
+            budget -= size[q]
+            if budget > 0 and abs(winding_number(vertices, faces[part == q], point)) > 0.5:
+                around.append(q)
+        outermost = max(around, key=lambda q: abs(volume[q]), default=p)
+        if volume[outermost] < 0:
+            wrong.append(int(p))
+    if not wrong:
+        return faces
+    turned = np.isin(part, wrong)
+    text = f"{len(wrong)} of {number} parts inside out" if number > 1 else "the mesh is inside out"
+    findings.append(Finding("inside-out", int(turned.sum()), text, "turned over"))
+    result = faces.copy()
+    result[turned] = result[turned][:, ::-1]
+    return result
+
+
+def winding_number(vertices: Floats, faces: Ints, point: Floats) -> float:
+    """How often a closed surface winds around a `point`: 1 inside, 0 outside.
+
+    Sums the solid angles of the faces (Van Oosterom & Strackee 1983, equation 8).
+    """
+    a, b, c = (vertices[faces[:, k]] - point for k in range(3))
+    la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
+    dot = lambda x, y: np.einsum("ij,ij->i", x, y)  # noqa: E731
+    below = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb
+    return float(np.arctan2(dot(a, np.cross(b, c)), below).sum() / (2 * np.pi))
+
+
+def _without_specks(vertices: Floats, faces: Ints, findings: list[Finding]) -> Ints:
+    """Leave out closed parts of next to no volume, if there is a real body beside them."""
+    number, part = components(faces)
+    if number == 1:
+        return faces
+    volume = np.abs(np.bincount(part, weights=face_volumes(vertices, faces), minlength=number))
+    is_open = np.zeros(number, dtype=bool)
+    is_open[part[edges_of(faces).open_half_edges // 3]] = True
+    area = (
+        np.bincount(part, weights=np.linalg.norm(face_crosses(vertices, faces), axis=1), minlength=number) / 2
+    )
+    speck = ~is_open & (volume <= SPECK * volume.max()) & (area <= 1e-3 * area.max())
+    if not speck.any() or volume.max() == 0:
+        return faces
+    gone = speck[part]
+    text = f"{plural(int(speck.sum()), 'speck')} of {plural(int(gone.sum()), 'face')}, without volume"
+    findings.append(Finding("specks", int(speck.sum()), text, "left out"))
+    return faces[~gone]
