@@ -43,6 +43,6 @@ def albedo_normal(
         picture = mi.render(scene, sensor=camera, integrator=integrator, seed=start, spp=size)
         total = total + size * np.nan_to_num(np.array(picture, np.float32), posinf=0, neginf=0)
         done += size
-    channels = np.asarray(total / np.float32(done), np.float32)[..., -6:]
-    albedo, normal = channels[..., :3], channels[..., 3:]
+    channels = np.asarray(total / np.float32(done), np.float32)
+    albedo, normal = channels[..., :3], channels[..., 3:6]
     return np.clip(albedo, 0.0, 1.0), np.clip(normal, -1.0, 1.0)
