@@ -132,13 +132,13 @@ def test_a_scene_file_that_cannot_be_rendered_is_refused(tmp_path: Path, text: s
 
 
 def test_the_mask_shows_where_the_translucent_object_is(tmp_path: Path) -> None:
-    scene = build.load_xml(scene_file(tmp_path, SCENE.format(inside=FOGGY)), (40, 40))
+    scene = build.load_xml(scene_file(tmp_path, SCENE.format(inside=FOGGY)), (60, 40))
     assert [shape.id() for shape in translucent_shapes(scene)] == ["ball"]
     mask = object_mask(scene)
-    assert mask.shape == (40, 40)
+    assert mask.shape == (40, 60)
     rows, columns = np.nonzero(mask)
-    assert (rows.mean(), columns.mean()) == pytest.approx((19.5, 19.5), abs=0.1)
-    radius = np.sqrt(mask.sum() / np.pi) / 20 * np.tan(np.radians(scene_fov(scene)) / 2)
+    assert (rows.mean(), columns.mean()) == pytest.approx((19.5, 29.5), abs=0.1)
+    radius = np.sqrt(mask.sum() / np.pi) / 30 * np.tan(np.radians(scene_fov(scene)) / 2)
     assert radius == pytest.approx(1 / np.sqrt(15), rel=0.05)
 
 
