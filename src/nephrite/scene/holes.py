@@ -52,7 +52,7 @@ def close_holes(vertices: Floats, faces: Ints) -> tuple[Floats, Ints, list[Findi
 
 def _snapped(vertices: Floats, faces: Ints) -> tuple[Floats, Ints]:
     """Merge vertices on boundaries that nearly touch, at the least distance that closes the most."""
-    from scipy.spatial import cKDTree
+    from scipy.spatial import KDTree
 
     best = np.sum(edges_of(faces).balance != 0)
     result = vertices, faces
@@ -60,7 +60,7 @@ def _snapped(vertices: Floats, faces: Ints) -> tuple[Floats, Ints]:
     at = edges.open_half_edges
     rim = np.unique(np.concatenate([edges.tail[at], edges.head[at]]))
     diagonal = float(np.linalg.norm(vertices.max(axis=0) - vertices.min(axis=0)))
-    tree = cKDTree((vertices[rim] - vertices.min(axis=0)) / diagonal)
+    tree = KDTree((vertices[rim] - vertices.min(axis=0)) / diagonal)
     for width in CRACKS:
         if tree.count_neighbors(tree, width) > 50 * len(rim):
             break  # a cloud of vertices closer than that: merging it would change the shape

@@ -6,6 +6,7 @@ import gzip
 import io
 import re
 import warnings
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -67,7 +68,7 @@ def _content(path: Path) -> tuple[bytes, str]:
         )
     try:
         data = gzip.decompress(path.read_bytes()) if zipped else path.read_bytes()
-    except (OSError, EOFError, gzip.zlib.error) as error:
+    except (OSError, EOFError, zlib.error) as error:
         raise _broken(path, str(error)) from error
     if not data.strip():
         raise MeshError(f"{path} is empty. Export or download it again.")
@@ -76,9 +77,10 @@ def _content(path: Path) -> tuple[bytes, str]:
 
 def _parse(data: bytes, suffix: str, path: Path) -> tuple[Floats, Ints]:
     import trimesh
+    from trimesh.resolvers import FilePathResolver
 
     # A glTF keeps its numbers in files beside it; all other formats need nothing but their own bytes.
-    resolver = trimesh.resolvers.FilePathResolver(str(path)) if suffix == ".gltf" else None
+    resolver = FilePathResolver(str(path)) if suffix == ".gltf" else None
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
         scene = trimesh.load_scene(

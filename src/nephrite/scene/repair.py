@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nephrite.errors import MeshError
 from nephrite.scene.check import Finding, examine, face_crosses, face_volumes, flat_faces, plural
@@ -29,6 +30,7 @@ from nephrite.scene.triangles import TriangleMesh
 
 SPECK = 1e-9  # of the volume: closed parts smaller than this are dust
 FAR = 1e5  # distances from the origin, in lengths of the mesh, at which single precision shows
+MOST_ANGLES = 50_000_000  # solid angles to be computed at most, some ten seconds
 
 
 def repair(mesh: TriangleMesh) -> TriangleMesh:
@@ -55,7 +57,7 @@ def repair(mesh: TriangleMesh) -> TriangleMesh:
     if not two_sided:
         findings.append(Finding("one-sided", 1, "a one-sided surface (Möbius strip)", solved=False))
     vertices, faces = _manifold(vertices, faces, findings)
-    if edges_of(faces).balance.any():
+    if two_sided and edges_of(faces).balance.any():
         vertices, faces, done = close_holes(vertices, faces)
         findings += done
     faces = _outwards(vertices, faces, findings)
@@ -72,8 +74,8 @@ def repair(mesh: TriangleMesh) -> TriangleMesh:
 def _without_bad_faces(
     vertices: Floats, faces: Ints, findings: list[Finding], name: str
 ) -> tuple[Floats, Ints]:
-    finite = np.isfinite(vertices).all(axis=1)
-    good = finite[faces].all(axis=1)
+    finite = np.all(np.isfinite(vertices), axis=1)
+    good = np.all(finite[faces], axis=1)
     if bad := int(np.sum(~good)):
         text = f"{plural(bad, 'face')} with coordinates that are not numbers"
         findings.append(Finding("non-finite", bad, text, "left out"))
@@ -126,31 +128,46 @@ def _manifold(vertices: Floats, faces: Ints, findings: list[Finding]) -> tuple[F
 
 
 def _outwards(vertices: Floats, faces: Ints, findings: list[Finding]) -> Ints:
-    """Turn closed parts outwards; one inside another turns with it, so that cavities stay cavities."""
+    """Turn closed parts outwards, each with all that lies inside it, so that cavities stay cavities."""
     number, part = components(faces)
     volume = np.bincount(part, weights=face_volumes(vertices, faces), minlength=number)
     is_open = np.zeros(number, dtype=bool)
     is_open[part[edges_of(faces).open_half_edges // 3]] = True
-    size = np.bincount(part, minlength=number)
-    wrong: list[int] = []
-    budget = 2e8  # faces to be looked at, some ten seconds
-    for p in np.flatnonzero((volume < 0) & ~is_open):
-        point = vertices[faces[np.argmax(part == p)]].mean(axis=0)
-        around = []
-        for q in np.flatnonzero(~is_open & (np.abs(volume) > np.abs(volume[p]))):
-            budget -= size[q]
-            if budget > 0 and abs(winding_number(vertices, faces[part == q], point)) > 0.5:
-                around.append(q)
-        outermost = max(around, key=lambda q: abs(volume[q]), default=p)
-        if volume[outermost] < 0:
-            wrong.append(int(p))
-    if not wrong:
+    if not (volume[~is_open] < 0).any():
         return faces
-    turned = np.isin(part, wrong)
-    text = f"{len(wrong)} of {number} parts inside out" if number > 1 else "the mesh is inside out"
+    inverted = _outermost(vertices, faces, part, np.where(is_open, 0.0, np.abs(volume)), volume < 0)
+    turned = inverted[part] & ~is_open[part]
+    if not turned.any():
+        return faces
+    parts = int(np.sum(inverted & ~is_open))
+    text = f"{parts} of {number} parts inside out" if number > 1 else "the mesh is inside out"
     findings.append(Finding("inside-out", int(turned.sum()), text, "turned over"))
     result = faces.copy()
     result[turned] = result[turned][:, ::-1]
+    return result
+
+
+def _outermost(
+    vertices: Floats, faces: Ints, part: Ints, size: Floats, answer: NDArray[np.bool_]
+) -> NDArray[np.bool_]:
+    """For each part, the `answer` of the largest part (by `size`; 0: not closed) around it, or its own."""
+    corners = vertices[faces].reshape(-1, 3)
+    low, high = np.full((len(size), 3), np.inf), np.full((len(size), 3), -np.inf)
+    np.minimum.at(low, np.repeat(part, 3), corners)
+    np.maximum.at(high, np.repeat(part, 3), corners)
+    first = np.unique(part, return_index=True)[1]
+    points = vertices[faces[first]].mean(axis=1)
+    result, budget = answer.copy(), MOST_ANGLES
+    for p, point in enumerate(points):
+        within = (low < point).all(axis=1) & (point < high).all(axis=1) & (size > size[p])
+        for q in sorted(np.flatnonzero(within), key=lambda q: -size[q]):
+            shell = faces[part == q]
+            budget -= len(shell)
+            if budget < 0:
+                return result
+            if abs(winding_number(vertices, shell, point)) > 0.5:
+                result[p] = answer[q]
+                break
     return result
 
 
