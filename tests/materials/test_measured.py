@@ -1,4 +1,6 @@
+import csv
 import math
+from pathlib import Path
 
 import pytest
 
@@ -23,48 +25,12 @@ JENSEN = {
 # the coefficients' own rounding does to Rd is up to .006.
 ROUNDING = 0.0085
 
-# Narasimhan et al. 2006: millilitres of each in 23 litres of water; spoons and cups of powder in US measures.
-LITRES = 23.0
-TEASPOON, CUP = 4.9289, 236.588
-DILUTION = {
-    "lowfat-milk": 16,
-    "reduced-milk": 18,
-    "regular-milk": 15,
-    "espresso": 8,
-    "mint-mocha-coffee": 6,
-    "lowfat-soy-milk": 16,
-    "regular-soy-milk": 12,
-    "lowfat-chocolate-milk": 10,
-    "regular-chocolate-milk": 16,
-    "gatorade": 1500,
-    "coors-light-beer": 1000,
-    "clorox": 1200,
-    "white-grapefruit-juice": 160,
-    "ruby-grapefruit-juice": 240,
-    "shampoo": 300,
-    "strawberry-shampoo": 300,
-    "head-and-shoulders-shampoo": 240,
-    "orange-powder": LITRES * 1000,
-    "pink-lemonade-powder": LITRES * 1000,
-    "sugar-powder": 5 * CUP,
-}
-# As printed, for the dilution: scattering and absorption of red (1e-2/mm), mean cosine of red, millilitres.
+# Narasimhan et al. 2006, as printed: coefficients of the dilution in 1e-2/mm, mean cosines, and how many
+# millilitres were in 23 litres of water (teaspoons of 4.929 and cups of 236.6 ml; the two drinks of 23 000 ml
+# are not scaled).
 DILUTED = {
-    "regular-milk": (1.1873, 0.0001, 0.750, 15),
-    "espresso": (0.2707, 0.1669, 0.907, 8),
-    "regular-soy-milk": (0.2433, 0.0001, 0.873, 12),
-    "coke": (0.0177, 0.6966, 0.965, 1600),
-    "merlot": (0.0053, 0.7586, 0.974, 1500),
-    "chardonnay": (0.0030, 0.1547, 0.914, 3300),
-    "apple-juice": (0.0201, 0.1014, 0.947, 1800),
-    "white-grapefruit-juice": (0.3513, 0.0096, 0.548, 160),
-    "clorox": (0.1425, 0.0175, 0.912, 1200),
-    "shampoo": (0.0104, 0.0184, 0.910, 300),
-    "lemon-tea-powder": (0.0798, 0.2602, 0.946, 5 * TEASPOON),
-    "cappuccino-powder": (0.0654, 0.1920, 0.849, TEASPOON / 4),
-    "salt-powder": (0.2485, 0.5115, 0.802, 1.75 * CUP),
-    "suisse-mocha-powder": (0.3223, 0.1875, 0.907, TEASPOON / 2),
-    "orange-powder": (0.1928, 0.1449, 0.919, LITRES * 1000),
+    row.pop("name"): {column: float(value) for column, value in row.items()}
+    for row in csv.DictReader((Path(__file__).parent / "narasimhan2006.csv").read_text().splitlines())
 }
 
 
@@ -98,7 +64,7 @@ def test_diffuse_reflectance_is_what_jensen_published(name, published):
 def test_the_one_row_that_disagrees_does_not_follow_from_its_coefficients():
     medium = materials.find("chicken-1").medium
     assert medium.diffuse_reflectance[2] == pytest.approx(0.126, abs=1e-3)
-    # rounding cannot explain it: the darkest medium that rounds to the printed .38 and .19 is still at .124
+    # rounding cannot explain it: the darkest medium that rounds to the printed .38 and .19 is still at .123
     from nephrite.physics import Medium
 
     assert Medium(0.195, 0.375).diffuse_reflectance[0] > 0.12
@@ -129,23 +95,23 @@ def test_diffuse_mean_free_path(name, dmfp):
     assert materials.find(name).medium.dmfp == pytest.approx(dmfp, abs=0.006)
 
 
-@pytest.mark.parametrize(("name", "millilitres"), DILUTION.items())
-def test_absorption_is_a_whole_number_of_the_digits_measured(name, millilitres):
-    # The table has four decimals in 1e-2/mm, of the dilution: the last is 1e-6/mm. A wrong unit, a slipped
-    # decimal point or a typing error breaks this.
-    for value in materials.find(name).medium.sigma_a:
-        steps = value * millilitres / (LITRES * 1000) / 1e-6
-        assert round(steps) >= 1
-        assert steps == pytest.approx(round(steps), rel=6e-5, abs=0.001)
+def test_narasimhans_table_is_complete():
+    # sea water is in no dilution of the table
+    assert {m.name for m in measured() if m.source.startswith("Narasimhan")} == {
+        *DILUTED,
+        "pacific-ocean-surface-water",
+    }
 
 
 @pytest.mark.parametrize(("name", "printed"), DILUTED.items())
 def test_coefficients_are_those_of_the_dilution_scaled_up(name, printed):
-    scattering, absorption, g, millilitres = printed
-    scale = 1e-2 * LITRES * 1000 / millilitres
+    scale = 1e-2 * 23_000 / printed["millilitres"]
     medium = materials.find(name).medium
-    assert medium.sigma_s_prime[0] == pytest.approx(scale * scattering * (1 - g), rel=0.011)
-    assert medium.sigma_a[0] == pytest.approx(scale * absorption, rel=5e-4)
+    for channel, letter in enumerate("rgb"):
+        reduced = printed[f"sigma_s_{letter}"] * (1 - printed[f"g_{letter}"])
+        # five digits are kept; spoons are known to a few parts in ten thousand
+        assert medium.sigma_s_prime[channel] == pytest.approx(scale * reduced, rel=2.5e-4)
+        assert medium.sigma_a[channel] == pytest.approx(scale * printed[f"sigma_a_{letter}"], rel=2.5e-4)
 
 
 @pytest.mark.parametrize("material", measured(), ids=lambda m: m.name)

@@ -24,7 +24,9 @@ def test_limits():
     assert seen_through(Medium(0, 2), 4)[0] == pytest.approx(1 / (1 + 1.5 * 4))
 
 
-def test_thick_slabs_fall_off_as_diffusion_says():
-    medium = Medium(0.01, 1.0, g=0.5)
-    ratio = seen_through(medium, 60)[0] / seen_through(medium, 50)[0]
-    assert ratio == pytest.approx(math.exp(-10 * medium.sigma_tr[0]), rel=5e-3)
+@pytest.mark.parametrize("sigma_a", [0.01, 0.3])
+def test_thick_slabs_fall_off_as_diffusion_says(sigma_a):
+    medium = Medium(sigma_a, 2.0, g=0.5)
+    depth = 10 * medium.dmfp[0]
+    ratio = seen_through(medium, depth + 1)[0] / seen_through(medium, depth)[0]
+    assert ratio == pytest.approx(math.exp(-medium.sigma_tr[0]), rel=1e-6)
