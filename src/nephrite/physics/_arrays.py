@@ -13,6 +13,7 @@ class _NumPy:
 
     sqrt = staticmethod(np.sqrt)
     exp = staticmethod(np.exp)
+    log = staticmethod(np.log)
     abs = staticmethod(np.abs)
     maximum = staticmethod(np.maximum)
     minimum = staticmethod(np.minimum)
