@@ -134,7 +134,7 @@ def _encode_png(pixels: NDArray[np.uint8], notes: Mapping[str, str]) -> bytes:
         else:
             info.add_itxt(key, value)
     stream = io.BytesIO()
-    Image.fromarray(np.ascontiguousarray(pixels)).save(stream, "PNG", pnginfo=info, optimize=True)
+    Image.fromarray(np.ascontiguousarray(pixels)).save(stream, "PNG", pnginfo=info)
     return stream.getvalue()
 
 
