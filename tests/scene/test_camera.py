@@ -18,10 +18,8 @@ def projected(sensor: dict, points: np.ndarray, resolution: tuple[int, int]) -> 
     """Where `points` are in the picture, (N, 2), from 0 to 1 across and down."""
     local = (np.linalg.inv(np.array(sensor["to_world"].matrix)) @ np.c_[points, np.ones(len(points))].T)[:3]
     slope = np.tan(np.radians(sensor["fov"]) / 2)
-    width, height = resolution
-    return np.stack(
-        [0.5 - local[0] / local[2] / slope / 2, 0.5 - local[1] / local[2] / slope / 2 * width / height], 1
-    )
+    across, down = local[:2] / local[2] / slope / 2 * max(resolution)
+    return np.stack([0.5 - across / resolution[0], 0.5 - down / resolution[1]], 1)
 
 
 @pytest.mark.parametrize("resolution", [(800, 600), (300, 900), (1000, 200)])

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-FIELD_OF_VIEW = 38.0  # degrees, across the picture's width
+FIELD_OF_VIEW = 38.0  # degrees, across the larger side of the picture
 MARGIN = 0.08  # of the picture, kept free on each side of the object
 TOWARDS_CAMERA = (0.25, 0.42, 1.75)  # from the object; not normalised
 
@@ -52,7 +52,7 @@ def sensor(origin: ArrayLike, target: ArrayLike, resolution: tuple[int, int]) ->
     return {
         "type": "perspective",
         "fov": FIELD_OF_VIEW,
-        "fov_axis": "x",
+        "fov_axis": "larger",
         "near_clip": distance * 1e-3,
         "far_clip": distance * 1e3,
         "to_world": mi.ScalarTransform4f().look_at(origin=start.tolist(), target=end.tolist(), up=[0, 1, 0]),
@@ -71,5 +71,5 @@ def sensor(origin: ArrayLike, target: ArrayLike, resolution: tuple[int, int]) ->
 def _slopes(resolution: tuple[int, int]) -> tuple[float, float]:
     """Tangents of half the field of view across and down the picture."""
     width, height = resolution
-    across = math.tan(math.radians(FIELD_OF_VIEW) / 2)
-    return across, across * height / width
+    larger = math.tan(math.radians(FIELD_OF_VIEW) / 2)
+    return larger * width / max(resolution), larger * height / max(resolution)

@@ -45,10 +45,10 @@ def _studio(size: float) -> Plugins:
     """A strong warm light from behind, a cool rim, a soft key and fill, a dark sweep as backdrop."""
     return {
         "backdrop": _sweep(size, 0.11),
-        "back": _softbox(size, (0.75, 1.25, -1.25), 0.4, (34.0, 26.0, 18.0)),
-        "rim": _softbox(size, (-1.5, 0.9, -0.9), 0.3, (11.0, 14.0, 18.0)),
-        "key": _softbox(size, (-1.3, 1.9, 1.3), 0.7, 3.0),
-        "fill": _softbox(size, (2.2, 1.0, 1.8), 0.9, (0.5, 0.55, 0.6)),
+        "back": _softbox(size, (0.9, 2.2, -1.5), 0.6, (36.0, 28.0, 19.0)),
+        "rim": _softbox(size, (-2.2, 1.2, -0.9), 0.45, (13.0, 17.0, 22.0)),
+        "key": _softbox(size, (-1.3, 2.0, 1.3), 0.7, 4.0),
+        "fill": _softbox(size, (2.2, 1.0, 1.8), 0.9, (0.8, 0.85, 0.95)),
         "ambient": _constant((0.02, 0.022, 0.026)),
     }
 
@@ -57,8 +57,8 @@ def _back(size: float) -> Plugins:
     """One light behind the object and above it: what shows through is what the material lets through."""
     return {
         "backdrop": _sweep(size, 0.11),
-        "back": _softbox(size, (0.2, 1.35, -1.3), 0.45, 30.0),
-        "ambient": _constant(0.02),
+        "back": _softbox(size, (0.3, 2.2, -1.6), 0.6, 40.0),
+        "ambient": _constant(0.03),
     }
 
 
@@ -66,8 +66,8 @@ def _side(size: float) -> Plugins:
     """One soft light from the left: the shadow's edge shows how far light travels inside."""
     return {
         "backdrop": _sweep(size, 0.11),
-        "side": _softbox(size, (-1.9, 1.0, 0.3), 0.35, 24.0),
-        "ambient": _constant(0.02),
+        "side": _softbox(size, (-2.2, 1.1, 0.3), 0.45, 32.0),
+        "ambient": _constant(0.03),
     }
 
 
