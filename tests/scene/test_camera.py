@@ -33,7 +33,7 @@ def test_all_of_an_object_is_framed(resolution: tuple[int, int], shape: tuple[fl
     np.testing.assert_allclose([low[tight], high[tight]], [camera.MARGIN, 1 - camera.MARGIN], atol=1e-6)
     assert np.all(low > camera.MARGIN - 1e-6)
     assert np.all(high < 1 - camera.MARGIN + 1e-6)
-    np.testing.assert_allclose((low + high) / 2, 0.5, atol=0.05)
+    np.testing.assert_allclose((low + high) / 2, 0.5, atol=0.08)  # across the other side, perspective skews
 
 
 def test_the_benchmark_camera_is_that_of_b1() -> None:
