@@ -1,0 +1,86 @@
+"""Where paths start and where their light goes: a film whose lanes trace one path after the other.
+
+A vectorised loop runs until the slowest of its lanes is done, and walks have long tails. So each lane takes up to
+`PATHS_PER_LANE` paths of one pixel, and starts the next as soon as one ends.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+from mitsuba.ad.integrators.common import ADIntegrator
+
+PATHS_PER_LANE = 64
+MIN_LANES = 1 << 17
+
+
+class Camera:
+    """The rays of a sensor, and the image block that their radiance is put into."""
+
+    repeats = True
+
+    def __init__(self, sensor: Any, spp: int, seed: Any) -> None:
+        """Lay out the lanes for `spp` samples a pixel (0: as the sensor's sampler says)."""
+        self.sensor, self.film = sensor, sensor.film()
+        self.film.prepare([])
+        self.block = self.film.create_block()
+        self.block.set_coalesce(False)
+        spp = spp or sensor.sampler().sample_count()
+        size = mi.ScalarVector2u(self.film.crop_size())
+        self.border = 0
+        if self.film.sample_border():
+            self.border = self.film.rfilter().border_size()
+            size += 2 * self.border
+        self.size = size
+        pixels = int(size[0]) * int(size[1])
+        groups = max(-(-spp // PATHS_PER_LANE), min(spp, -(-MIN_LANES // pixels)))
+        lanes = pixels * groups
+        if lanes >= 2**32:
+            raise ValueError(f"spp is {spp}: too many samples for one pass, render several and average them.")
+        self.sampler = mi.load_dict({"type": "independent"})
+        self.sampler.seed(seed, lanes)
+        index = dr.arange(mi.UInt32, lanes)
+        group = index % groups
+        pixel = index // groups
+        self.pixel = mi.Point2u(pixel % size[0], pixel // size[0])
+        self.budget = mi.UInt32(spp // groups) + dr.select(group < spp % groups, mi.UInt32(1), mi.UInt32(0))
+        self.first = dr.zeros(mi.Ray3f, lanes)
+        self.active = self.budget > 0
+
+    def ray(self, sampler: Any, active: Any) -> tuple[Any, Any, Any]:
+        """Sample a camera ray; return (ray, weight, position on the film)."""
+        corner = mi.Vector2f(self.pixel) - self.border + mi.Vector2f(mi.ScalarVector2f(self.film.crop_offset()))
+        spot = corner + mi.Vector2f(sampler.next_2d(active))
+        crop = mi.ScalarVector2f(self.film.crop_size())
+        offset = mi.ScalarVector2f(self.film.crop_offset())
+        aperture = sampler.next_2d(active) if self.sensor.needs_aperture_sample() else mi.Point2f(0.5)
+        time = mi.Float(self.sensor.shutter_open())
+        if self.sensor.shutter_open_time() > 0:
+            time += sampler.next_1d(active) * self.sensor.shutter_open_time()
+        wavelength = sampler.next_1d(active) if mi.is_spectral else mi.Float(0.0)
+        ray, weight = self.sensor.sample_ray(time, wavelength, mi.Point2f((spot - offset) / crop), aperture, active)
+        position = corner if self.film.rfilter().is_box_filter() else spot
+        return ray, weight, mi.Point2f(position)
+
+    def put(self, position: Any, radiance: Any, wavelengths: Any, valid: Any, active: Any) -> None:
+        """Add one path's radiance to the film; what is not finite counts as black."""
+        finite = dr.all(dr.isfinite(radiance))
+        value = dr.select(finite, radiance, 0.0)
+        channels = _FilmChannels(self.block, active)
+        alpha = dr.select(valid, mi.Float(1.0), mi.Float(0.0))
+        ADIntegrator._splat_to_block(channels, self.film, position, value, mi.Float(1.0), alpha, [], wavelengths)
+
+
+class _FilmChannels:
+    """The image block, masked: lets Mitsuba's own helper write from inside a loop, for the lanes that are done."""
+
+    def __init__(self, block: Any, active: Any) -> None:
+        self._block, self._active = block, active
+
+    def channel_count(self) -> int:
+        return self._block.channel_count()
+
+    def put(self, position: Any, values: Any) -> None:
+        self._block.put(position, values, self._active)

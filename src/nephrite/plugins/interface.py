@@ -1,0 +1,59 @@
+"""What light does at the surface between two media: the smooth dielectric interface, in world space.
+
+Which side a ray is on is the integrator's knowledge, never the winding's: normals are turned to face the ray, so that
+a flipped or mixed winding changes nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+
+
+@dataclass
+class Crossing:
+    """A ray at a smooth interface.
+
+    `normal`: unit, facing the ray. `reflectance`: exact unpolarised Fresnel. `reflected`, `refracted`: unit
+    directions; the latter is void where `reflectance` is 1.
+    """
+
+    normal: Any
+    reflectance: Any
+    reflected: Any
+    refracted: Any
+
+
+def facing_normal(si: Any, direction: Any) -> Any:
+    """Shading normal on the side that the ray comes from, or the geometric one where the two disagree."""
+    geometric = mi.Vector3f(dr.mulsign(si.n, -dr.dot(si.n, direction)))
+    shading = mi.Vector3f(dr.mulsign(si.sh_frame.n, dr.dot(si.sh_frame.n, geometric)))
+    return dr.select(dr.dot(shading, direction) < 0, shading, geometric)
+
+
+def cross(si: Any, direction: Any, eta: Any) -> Crossing:
+    """Reflect and refract a ray; `eta`: index of the side that it would enter over the one it is on."""
+    geometric = mi.Vector3f(dr.mulsign(si.n, -dr.dot(si.n, direction)))
+    first = _cross(facing_normal(si, direction), direction, eta)
+    # Interpolated normals may send light to the wrong side of a triangle: then the triangle's own normal holds.
+    wrong = (dr.dot(first.reflected, geometric) <= 0) | (
+        (first.reflectance < 1) & (dr.dot(first.refracted, geometric) >= 0)
+    )
+    second = _cross(geometric, direction, eta)
+    return Crossing(
+        dr.select(wrong, second.normal, first.normal),
+        dr.select(wrong, second.reflectance, first.reflectance),
+        dr.select(wrong, second.reflected, first.reflected),
+        dr.select(wrong, second.refracted, first.refracted),
+    )
+
+
+def _cross(normal: Any, direction: Any, eta: Any) -> Crossing:
+    cos_i = -dr.dot(direction, normal)
+    reflectance, cos_t, _, eta_ti = mi.fresnel(cos_i, eta)
+    reflected = dr.fma(normal, 2.0 * cos_i, direction)
+    refracted = direction * eta_ti + normal * (cos_i * eta_ti + cos_t)
+    return Crossing(normal, reflectance, dr.normalize(reflected), dr.normalize(refracted))

@@ -1,0 +1,217 @@
+"""Which shapes of a scene light can enter, and what is inside.
+
+`Media.of(scene)` numbers the translucent materials 1, 2, ... (0: none): the `translucent` BSDFs, and Mitsuba's own
+`dielectric` or `roughdielectric` in front of a `homogeneous` interior medium. In the integrator's loop a lane
+knows its material by that number, and looks up here what it needs of it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from nephrite.bssrdf import lobe
+from nephrite.errors import ParameterError
+from nephrite.physics import fresnel
+from nephrite.physics.single import single_scattering_share
+
+WALK, JUMP, LOCAL = 0, 1, 2
+"""What is computed under a surface."""
+
+_PHASES = ("isotropic", "hg")
+
+
+@dataclass
+class Entry:
+    """One translucent material: its surface, constants, and where its coefficients come from.
+
+    `surface`: the Mitsuba BSDF of a rough (or tinted) interface, None for a smooth clear one.
+    """
+
+    name: str
+    g: float
+    eta: float
+    surface: Any | None
+    bsdf: Any | None = None
+    medium: Any | None = None
+    shapes: list[Any] = field(default_factory=list)
+
+    def coefficients(self, si: Any, active: Any) -> tuple[Any, Any]:
+        """Return sigma_a and sigma_s per scene unit."""
+        if self.bsdf is not None:
+            return self.bsdf.coefficients(si, active)
+        mei = dr.zeros(mi.MediumInteraction3f, dr.width(si.p))
+        mei.p, mei.wavelengths = si.p, si.wavelengths
+        sigma_s, _, sigma_t = self.medium.get_scattering_coefficients(mei, active)
+        return dr.maximum(sigma_t - sigma_s, 0.0), sigma_s
+
+    def emitted(self, si: Any, active: Any) -> Any:
+        """Return the volumetric emission per scene unit."""
+        return self.bsdf.emitted(si, active) if self.bsdf is not None else mi.Spectrum(0.0)
+
+    @property
+    def emits(self) -> bool:
+        """Whether the medium emits light."""
+        return self.bsdf is not None and self.bsdf.emission is not None
+
+
+class Media:
+    """The translucent materials of a scene, with lookups for whole wavefronts."""
+
+    def __init__(self, entries: list[Entry]) -> None:
+        """Build the tables that the lookups gather from; `entries` are numbered from 1."""
+        self.entries = entries
+        ids = [[_identity(shape) for shape in entry.shapes] for entry in entries]
+        size = 1 + max((i for row in ids for i in row), default=0)
+        table = np.zeros(size, dtype=np.uint32)
+        for number, row in enumerate(ids, start=1):
+            table[row] = number
+        self._size = size
+        self._of_shape = mi.UInt32(table)
+        lobes = [lobe.exit_lobe(entry.eta) for entry in entries]
+        self.g = _column([entry.g for entry in entries], 0.0)
+        self.eta = _column([entry.eta for entry in entries], 1.0)
+        self.normalization = _column([one.normalization for one in lobes], 1.0)
+        self.m2 = _column([one.m2 for one in lobes], 1.0)
+        self.m4 = _column([one.m4 for one in lobes], 2.0)
+        self.boundary = _column([fresnel.boundary_factor(entry.eta) for entry in entries], 1.0)
+        self.single_share = _column([single_scattering_share(e.g, e.eta) for e in entries], 0.0)
+        self.rough = _column([float(entry.surface is not None) for entry in entries], 0.0)
+        self.any_rough = any(entry.surface is not None for entry in entries)
+        self.any_emission = any(entry.emits for entry in entries)
+        dr.eval(self._of_shape)
+        self.set_models([WALK] * len(entries))
+
+    def set_models(self, models: list[int]) -> None:
+        """Set what is computed under each material's surface: `WALK`, `JUMP` or `LOCAL`."""
+        self._model = mi.UInt32([WALK, *models])
+        dr.eval(self._model)
+        self.any_jump, self.any_local = JUMP in models, LOCAL in models
+
+    def jumps(self, number: Any) -> Any:
+        """Whether the dipole takes over from the walk at its second event."""
+        return dr.gather(mi.UInt32, self._model, number) == JUMP
+
+    def local(self, number: Any) -> Any:
+        """Whether light leaves where it entered."""
+        return dr.gather(mi.UInt32, self._model, number) == LOCAL
+
+    @staticmethod
+    def of(scene: Any) -> Media:
+        """Survey a scene; raises `ParameterError` for a medium that this integrator does not render."""
+        found: dict[int, Entry] = {}
+        for shape in scene.shapes():
+            _survey(shape, found)
+        return Media(list(found.values()))
+
+    def number(self, shape: Any) -> Any:
+        """Number of the material of a `ShapePtr` array, 0 where light can't enter."""
+        index = dr.reinterpret_array(mi.UInt32, shape)
+        known = index < self._size
+        return dr.gather(mi.UInt32, self._of_shape, dr.select(known, index, 0), known)
+
+    def lookup(self, column: Any, number: Any) -> Any:
+        """Value of a column, such as `media.eta`, for each lane's material."""
+        return dr.gather(mi.Float, column, number)
+
+    def coefficients(self, number: Any, si: Any, active: Any) -> tuple[Any, Any]:
+        """Return sigma_a, sigma_s per scene unit of each lane's material, read at `si`."""
+        sigma_a, sigma_s = mi.Spectrum(0.0), mi.Spectrum(0.0)
+        for i, entry in enumerate(self.entries, start=1):
+            mine = active & (number == i)
+            a, s = entry.coefficients(si, mine)
+            sigma_a, sigma_s = dr.select(mine, a, sigma_a), dr.select(mine, s, sigma_s)
+        return sigma_a, sigma_s
+
+    def emitted(self, number: Any, si: Any, active: Any) -> Any:
+        """Return the volumetric emission per scene unit of each lane's material, read at `si`."""
+        total = mi.Spectrum(0.0)
+        for i, entry in enumerate(self.entries, start=1):
+            if entry.emits:
+                mine = active & (number == i)
+                total = dr.select(mine, entry.emitted(si, mine), total)
+        return total
+
+    def sample_surface(self, number: Any, si: Any, u1: Any, u2: Any, active: Any) -> tuple[Any, Any]:
+        """Sample the BSDF of each lane's rough interface, without the scaling of radiance by eta^2."""
+        context = mi.BSDFContext(mi.TransportMode.Importance, 0xFFFFFFFF, 0xFFFFFFFF)
+        result, weight = dr.zeros(mi.BSDFSample3f), mi.Spectrum(0.0)
+        for i, entry in enumerate(self.entries, start=1):
+            if entry.surface is not None:
+                mine = active & (number == i)
+                bs, w = entry.surface.sample(context, si, u1, u2, mine)
+                result, weight = dr.select(mine, bs, result), dr.select(mine, w, weight)
+        return result, weight
+
+    def eval_surface(self, number: Any, si: Any, wo: Any, active: Any) -> tuple[Any, Any]:
+        """Value times cosine, and density, of each lane's rough interface; no scaling by eta^2."""
+        context = mi.BSDFContext(mi.TransportMode.Importance, 0xFFFFFFFF, 0xFFFFFFFF)
+        value, pdf = mi.Spectrum(0.0), mi.Float(0.0)
+        for i, entry in enumerate(self.entries, start=1):
+            if entry.surface is not None:
+                mine = active & (number == i)
+                v, p = entry.surface.eval_pdf(context, si, wo, mine)
+                value, pdf = dr.select(mine, v, value), dr.select(mine, p, pdf)
+        return value, pdf
+
+
+def _column(values: list[float], first: float) -> Any:
+    column = mi.Float([first, *values])
+    dr.eval(column)
+    return column
+
+
+def _identity(shape: Any) -> int:
+    return int(dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))[0])
+
+
+def _survey(shape: Any, found: dict[int, Entry]) -> None:
+    bsdf, medium = shape.bsdf(), shape.interior_medium()
+    if bsdf is None:
+        return
+    if hasattr(bsdf, "diffuse_reflectance") and hasattr(bsdf, "coefficients"):
+        key = id(bsdf)
+        entry = found.setdefault(key, Entry(bsdf.name, bsdf.g, bsdf.eta, bsdf.interface, bsdf=bsdf))
+    elif medium is not None:
+        entry = _standard(shape, bsdf, medium, found)
+    else:
+        return
+    entry.shapes.append(shape)
+
+
+def _standard(shape: Any, bsdf: Any, medium: Any, found: dict[int, Entry]) -> Entry:
+    name = shape.id() or "without an id"
+    if not medium.is_homogeneous():
+        raise ParameterError(
+            f"shape {name!r} holds a medium that is not homogeneous: translucent_path renders homogeneous ones "
+            "only; use volpathmis for this scene."
+        )
+    kind = bsdf.class_name().lower()
+    if "dielectric" not in kind or "thin" in kind:
+        raise ParameterError(
+            f"shape {name!r} has an interior medium behind a {bsdf.class_name()}: translucent_path needs a "
+            "dielectric, roughdielectric or translucent BSDF there."
+        )
+    key = hash((bsdf.ptr if hasattr(bsdf, "ptr") else id(bsdf), id(medium)))
+    if key in found:
+        return found[key]
+    values = {str(name): value for name, value in mi.traverse(bsdf)}
+    tinted = any(str(key).startswith("specular_") for key in values)
+    smooth = "rough" not in kind and not tinted
+    phase = medium.phase_function()
+    phase_kind = phase.class_name().lower()
+    if not any(known in phase_kind for known in _PHASES):
+        raise ParameterError(
+            f"the medium of shape {name!r} has the phase function {phase.class_name()}: translucent_path knows "
+            "isotropic and hg."
+        )
+    phase_values = {str(name): value for name, value in mi.traverse(phase)}
+    g = float(np.ravel(phase_values["g"])[0]) if "g" in phase_values else 0.0
+    eta = float(np.ravel(values["eta"])[0])
+    entry = Entry(name, g, eta, None if smooth else bsdf, medium=medium)
+    found[key] = entry
+    return entry

@@ -1,0 +1,354 @@
+"""The path tracer's loop. One turn is one ray: a step of a walk, or a segment between surfaces.
+
+The throughput `β` is that of the leading colour channel's density while the path is in a medium (see `channels`);
+`weight` is what it is worth. Radiance is carried divided by the squared index of refraction, so that crossing a surface
+scales nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+
+from nephrite.bssrdf import lobe
+from nephrite.physics import phase
+from nephrite.plugins import channels, interface
+from nephrite.plugins.jump import Landing, conditional_scale, jump
+from nephrite.plugins.media import Media
+from nephrite.plugins.settings import Settings
+from nephrite.profiles import StandardDipole
+
+ROULETTE_SHARE = 0.05  # of a walk's light, below which its roulette begins
+
+
+@dataclass
+class Result:
+    """What a wavefront brought: radiance, whether anything was hit; light in walks started, and cut, per lane."""
+
+    L: Any
+    valid: Any
+    cut: Any
+    started: Any
+
+
+class OneRay:
+    """A source of one given ray per lane."""
+
+    repeats = False
+
+    def __init__(self, ray: Any, active: Any) -> None:
+        """Hold the rays."""
+        self.first, self.active = mi.Ray3f(ray), mi.Bool(active)
+
+
+@dr.syntax
+def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> Result:
+    """Trace the paths of `source`: one given ray per lane (`OneRay`), or many from a film (`camera.Camera`)."""
+    repeats = source.repeats
+    longest = dr.norm(scene.bbox().extents()) if scene.bbox().valid() else 1.0
+    context = mi.BSDFContext()
+
+    # --- The path ---------------------------------------------------------------------------------------------------
+    ray = mi.Ray3f(source.first)                # Next segment
+    active = mi.Bool(source.active)             # Lanes with work left
+    fresh = mi.Bool(repeats)                    # Lanes that are to start a path
+    paths = mi.UInt32(0)                        # Paths started
+    position = mi.Point2f(0)                    # Where this path goes on the film
+    L = mi.Spectrum(0)                          # Radiance found by this path
+    valid = mi.Bool(False)                      # Has it hit anything?
+    depth = mi.UInt32(0)                        # Bounces
+    order = mi.UInt32(0)                        # Events in media, on the whole path
+    β = mi.Spectrum(1)                          # Throughput of the leading channel's density
+    ratio = channels.solo(β)                    # Densities of the channels, relative to the leader's
+    channel = mi.UInt32(0)                      # The leader
+    last_p = mi.Point3f(0)                      # Last vertex that lights were connected to,
+    last_pdf = mi.Float(0)                      # density of the direction chosen there,
+    last_delta = mi.Bool(True)                  # and whether lights can be found by that direction alone
+
+    # --- The walk ---------------------------------------------------------------------------------------------------
+    within, within_shape = mi.UInt32(0), mi.UInt32(0)   # Material and shape that the path is in; 0: none
+    outer, outer_shape = mi.UInt32(0), mi.UInt32(0)     # and those around it
+    sigma_t, sigma_s = mi.Spectrum(0), mi.Spectrum(0)   # Coefficients per scene unit
+    g = mi.Float(0)                                     # Mean cosine
+    emitted = mi.Spectrum(0)                            # Volumetric emission
+    events = mi.UInt32(0)                               # Events since entry
+    steps = mi.UInt32(0)                                # Rays since entry
+    entered = mi.Float(0)                               # Light at entry
+    entry_p, entry_n = mi.Point3f(0), mi.Vector3f(0, 0, 1)
+    entry_side = mi.Float(1)
+    cut, started = mi.Float(0), mi.Float(0)
+
+    while dr.hint(active, label="translucent_path"):
+        # --- Start the next path of a lane --------------------------------------------------------------------------
+        if dr.hint(repeats, mode="scalar"):
+            if fresh:
+                ray, β, position = source.ray(sampler, fresh)
+                ratio = channels.solo(β)
+                L, valid, depth, order = mi.Spectrum(0), mi.Bool(False), mi.UInt32(0), mi.UInt32(0)
+                last_delta = mi.Bool(True)
+                within, within_shape = mi.UInt32(0), mi.UInt32(0)
+                outer, outer_shape = mi.UInt32(0), mi.UInt32(0)
+                paths += 1
+
+        # --- Step: to the next event or the next surface, whichever is first ----------------------------------------
+        inside = within != 0
+        leading = channels.pick(sigma_t, channel)
+        free = -dr.log(1 - sampler.next_1d(active)) / leading
+        ray.maxt = dr.select(inside & (leading > 0), free, dr.largest(mi.Float))
+        hit = scene.ray_intersect_preliminary(ray, coherent=False, active=active)
+        stops = hit.is_valid()
+        scatters = active & inside & ~stops & (ray.maxt < dr.largest(mi.Float))
+        distance = dr.minimum(dr.select(stops, hit.t, ray.maxt), 1e30)
+
+        if dr.hint(media.any_emission, mode="scalar"):
+            # one point of the segment stands for its emission, of which 1 / eta^2 leaves per solid angle
+            part = sampler.next_1d(active) * dr.minimum(distance, 10 * longest)
+            to_point = dr.exp(-sigma_t * part)
+            chance = dr.sum(ratio * to_point)
+            here = β * to_point * emitted * dr.minimum(distance, 10 * longest) / dr.maximum(chance, 1e-30)
+            scale = dr.rcp(dr.square(media.lookup(media.eta, within)))
+            L[active & inside & _wanted(s, order)] += here * scale
+
+        along = dr.exp(-sigma_t * distance)
+        density = along * dr.select(scatters, sigma_t, 1)
+        of_leader = dr.maximum(channels.pick(density, channel), 1e-30)
+        β[inside] = β * along * dr.select(scatters, sigma_s, 1) / of_leader
+        ratio[inside] = ratio * density / of_leader
+        steps[active] += 1
+
+        # --- Event: a new direction by the phase function -----------------------------------------------------------
+        events[scatters] += 1
+        order[scatters] += 1
+        u = sampler.next_2d(active)
+        turned = mi.Frame3f(ray.d).to_world(mi.Vector3f(*phase.sample(u.x, u.y, g)))
+        segment = mi.Vector3f(ray.d)
+        ray.o[scatters] = ray(distance)
+        ray.d[scatters] = turned
+        weight = β / dr.sum(ratio)
+        dead = active & ~_may_go_on(s, order)
+
+        # --- Jump: the dipole takes over at the second event --------------------------------------------------------
+        landed = mi.Bool(False)
+        landing_si = dr.zeros(mi.SurfaceInteraction3f)
+        landing_n = mi.Vector3f(0, 0, 1)
+        landing_weight = mi.Spectrum(0)
+        jumps = mi.Bool(False)
+        if dr.hint(media.any_jump, mode="scalar"):
+            jumps = scatters & (events == 2) & media.jumps(within) & ~dead
+            if jumps:
+                profile = StandardDipole(sigma_t - sigma_s, sigma_s * (1 - g), media.lookup(media.boundary, within))
+                albedo = sigma_s / dr.maximum(sigma_t, 1e-30)
+                share = media.lookup(media.single_share, within)
+                landing = jump(
+                    scene, sampler, profile, entry_p, entry_n, entry_side, within_shape, weight, longest, jumps
+                )
+                landing_si, landing_n = landing.si, landing.normal
+                landing_weight = landing.weight * conditional_scale(profile, albedo, share)
+            landed = jumps & (dr.max(landing_weight) > 0)
+            dead |= jumps & ~landed
+
+        # --- Surface ------------------------------------------------------------------------------------------------
+        reaches = active & ~scatters & ~dead
+        if reaches | landed:
+            si = hit.compute_surface_interaction(ray, mi.RayFlags.All, reaches)
+
+            # Light that the path has run into
+            emitter = si.emitter(scene, reaches)
+            sees = reaches & (emitter != None) & _wanted(s, order)  # noqa: E711
+            if dr.hint(s.hide_emitters, mode="scalar"):
+                sees &= depth > 0
+            if sees:
+                last = dr.zeros(mi.Interaction3f)
+                last.p = last_p
+                ds = mi.DirectionSample3f(scene, si, last)
+                by_light = scene.pdf_emitter_direction(last, ds, ~last_delta)
+                L += weight * emitter.eval(si) * dr.select(last_delta, 1, _balance(last_pdf, by_light))
+
+            goes_on = reaches & si.is_valid() & (depth + 1 < s.max_depth)
+            valid |= reaches & si.is_valid()
+            dead |= reaches & ~goes_on
+            number = dr.select(goes_on, media.number(si.shape), 0)
+            identity = dr.reinterpret_array(mi.UInt32, si.shape)
+            crossing, opaque = goes_on & (number != 0), goes_on & (number == 0)
+            leaving = crossing & (identity == within_shape)
+            stale = crossing & ~leaving & (outer != 0) & (identity == outer_shape)  # overlapping objects
+            outside = dr.select(leaving, outer, within)  # material on the outer side of the surface
+            eta = media.lookup(media.eta, number)
+            eta = dr.select(leaving, dr.rcp(eta), eta)
+
+            # The interface: reflect or refract
+            x = interface.cross(si, ray.d, eta)
+            outward = dr.select(leaving, -x.normal, x.normal)
+            reflects = crossing & (sampler.next_1d(crossing) < x.reflectance)
+            direction = dr.select(reflects, x.reflected, x.refracted)
+            rough = mi.Bool(False)
+            rough_pdf = mi.Float(0)
+            rough_delta = mi.Bool(False)
+            if dr.hint(media.any_rough, mode="scalar"):
+                rough = crossing & ~stale & (media.lookup(media.rough, number) > 0)
+                if rough:
+                    si.sh_frame = mi.Frame3f(outward)
+                    si.wi = si.to_local(-ray.d)
+                    bs, bs_weight = media.sample_surface(
+                        number, si, sampler.next_1d(rough), sampler.next_2d(rough), rough
+                    )
+                    reflects = bs.wo.z * si.wi.z > 0
+                    bent = si.to_world(bs.wo)
+                    # interpolated normals may send light to the wrong side: mirror it back
+                    normal = mi.Vector3f(si.n) * dr.sign(dr.select(reflects, -1, 1) * dr.dot(si.n, ray.d))
+                    direction = bent + normal * dr.maximum(-2 * dr.dot(bent, normal), 0)
+                    β *= bs_weight
+                    rough_pdf = bs.pdf
+                    rough_delta = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
+                    dead |= bs.pdf <= 0
+            passes = crossing & ~reflects & ~stale
+            direction = dr.select(stale, ray.d, direction)
+            outer = dr.select(stale, 0, outer)
+            exits, enters = passes & leaving, passes & ~leaving
+
+            # The local model: light that enters leaves at once, and where it entered
+            if dr.hint(media.any_local, mode="scalar"):
+                local = enters & media.local(number)
+                if local:
+                    absorbed, scattered = media.coefficients(number, si, local)
+                    mean_cosine = media.lookup(media.g, number)
+                    boundary = media.lookup(media.boundary, number)
+                    landing_si, landing_n = si, outward
+                    landing_weight = StandardDipole(absorbed, scattered * (1 - mean_cosine), boundary).albedo()
+                    order += 2
+                landed |= local
+                dead |= local & ~_may_go_on(s, order)
+                enters &= ~local
+
+            # Where it leaves: the point, the direction, and the lobe that lights see
+            from_number = dr.select(landed & jumps, within, number)
+            to_medium = dr.select(landed & jumps, outer, outside)
+            by_lobe = landed | (
+                exits & ~rough & (events > 0) if dr.hint(s.exit == "lobe", mode="scalar") else mi.Bool(False)
+            )
+            eta_exit = media.lookup(media.eta, from_number)
+            normalization = media.lookup(media.normalization, from_number)
+            at = dr.select(landed, landing_si, si)
+            normal = dr.select(landed, landing_n, outward)
+            around = mi.Frame3f(normal)
+            if landed:
+                spread = mi.warp.square_to_cosine_hemisphere(sampler.next_2d(landed))
+                direction = around.to_world(spread)
+                chosen = mi.warp.square_to_cosine_hemisphere_pdf(spread)
+                cos_exit = dr.maximum(spread.z, 1e-6)
+                out = lobe.pdf(cos_exit, mi.fresnel(cos_exit, eta_exit)[0], normalization)
+                β = weight * landing_weight * out / chosen
+                ratio = channels.solo(β)
+                weight = weight * landing_weight
+            cos_out = dr.dot(direction, normal)
+            lobe_pdf = lobe.pdf(cos_out, mi.fresnel(dr.maximum(cos_out, 0), eta_exit)[0], normalization)
+
+            # Connect to a light
+            connects = ((opaque & ~inside) | ((rough | by_lobe) & (to_medium == 0))) & ~dead & _wanted(s, order)
+            bsdf = si.bsdf()
+            if connects:
+                ds, light = scene.sample_emitter_direction(at, sampler.next_2d(connects), True, connects)
+                local_d = si.to_local(ds.d)
+                value, pdf = mi.Spectrum(0), mi.Float(0)
+                if opaque:
+                    value, pdf = bsdf.eval_pdf(context, si, local_d, opaque)
+                if dr.hint(media.any_rough, mode="scalar"):
+                    if rough:
+                        value, pdf = media.eval_surface(number, si, local_d, rough & (local_d.z > 0))
+                if by_lobe:
+                    cos_light = dr.dot(ds.d, normal)
+                    pdf = lobe.pdf(cos_light, mi.fresnel(dr.maximum(cos_light, 0), eta_exit)[0], normalization)
+                    linear, quadratic = lobe.memory(mi.Float(events), g)
+                    seen = lobe.kernel(
+                        direction, ds.d, normal, media.lookup(media.m2, from_number),
+                        media.lookup(media.m4, from_number), linear, quadratic,
+                    )  # fmt: skip
+                    value = mi.Spectrum(pdf * dr.select(landed, 1, seen))
+                mis = dr.select(ds.delta, 1, _balance(ds.pdf, pdf))
+                L[ds.pdf > 0] += weight * value * light * mis
+
+            # Choose the next direction on everything that light can't enter
+            if opaque:
+                bs, bs_weight = bsdf.sample(context, si, sampler.next_1d(opaque), sampler.next_2d(opaque), opaque)
+                β *= bs_weight
+                direction = si.to_world(bs.wo)
+                last_pdf = bs.pdf
+                last_delta = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta) | inside
+                dead |= bs.pdf <= 0
+            last_pdf = dr.select(by_lobe, lobe_pdf, dr.select(rough, rough_pdf, last_pdf))
+            connected = (by_lobe | (rough & (reflects ^ leaving) & ~rough_delta)) & (to_medium == 0)
+            last_delta = dr.select(opaque, last_delta, ~connected)
+            last_p = at.p
+
+            # Go over into another medium
+            if passes & ~dead | landed:
+                bounced = exits | landed
+                depth[bounced] += 1
+                β = dr.select(landed, β, β / dr.sum(ratio))
+                ratio = channels.solo(β)
+                outer = dr.select(bounced, 0, within)
+                outer_shape = dr.select(bounced, 0, within_shape)
+                within = dr.select(bounced, to_medium, number)
+                within_shape = dr.select(bounced, dr.select(to_medium != 0, outer_shape, 0), identity)
+                if within != 0:
+                    absorbed, sigma_s = media.coefficients(within, si, enters | exits)
+                    sigma_t = absorbed + sigma_s
+                    g = media.lookup(media.g, within)
+                    if dr.hint(media.any_emission, mode="scalar"):
+                        emitted = media.emitted(within, si, enters | exits)
+                    entered = dr.max(β)
+                    started += entered
+                    channel, β, ratio = channels.lead(β, sampler.next_1d())
+                    events, steps = mi.UInt32(0), mi.UInt32(0)
+                    entry_p, entry_n = si.p, outward
+                    entry_side = dr.select(dr.dot(si.n, outward) > 0, mi.Float(1), mi.Float(-1))
+            depth[opaque | (crossing & reflects & ~leaving)] += 1
+
+            time, wavelengths = ray.time, ray.wavelengths
+            ray = at.spawn_ray(direction)
+            ray.time, ray.wavelengths = time, wavelengths
+
+        # --- End: roulette on what is left ---------------------------------------------------------------------------
+        worth = dr.max(β / dr.sum(ratio))
+        walking = within != 0
+        spent = active & walking & (steps >= s.max_steps)
+        cut[spent & ~dead] += worth
+        survival = dr.select(
+            walking,
+            worth / dr.maximum(ROULETTE_SHARE * entered, 1e-30),
+            dr.select(depth > s.rr_depth, dr.minimum(worth, 0.95), 1),
+        )
+        survival = dr.minimum(survival, 1)
+        dead |= spent | ~(worth > 0) | (sampler.next_1d(active) >= survival)
+        β /= survival
+        dead &= active
+        if dr.hint(repeats, mode="scalar"):
+            if dead:
+                source.put(position, L, ray.wavelengths, valid, dead)
+            fresh = mi.Bool(dead)
+            active &= ~(dead & (paths >= source.budget))
+        else:
+            active &= ~dead
+    return Result(L, valid, cut, started)
+
+
+def _balance(own: Any, other: Any) -> Any:
+    """Balance heuristic; 0 where neither technique can."""
+    return dr.select(own > 0, own / (own + other), 0)
+
+
+def _wanted(s: Settings, order: Any) -> Any:
+    """Whether a path with so many events belongs to the terms asked for."""
+    return (
+        (mi.Bool(s.reduced) & (order == 0))
+        | (mi.Bool(s.single) & (order == 1))
+        | (mi.Bool(s.multiple) & (order > 1))
+    )
+
+
+def _may_go_on(s: Settings, order: Any) -> Any:
+    """Whether a path with so many events can still become one of the terms asked for."""
+    return mi.Bool(True) if s.multiple else order <= (1 if s.single else 0)

@@ -1,0 +1,71 @@
+"""The parameters of the integrator `translucent_path`, read and checked."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from nephrite.errors import ParameterError, unknown_name
+
+MODELS = ("walk", "dipole", "brdf", "auto")
+EXITS = ("lobe", "exact")
+TERMS = ("reduced", "single", "multiple")
+NO_LIMIT = 0xFFFFFFFF
+
+
+class Settings:
+    """What the integrator has been asked for; see its class for the meanings.
+
+    A plain class: Dr.Jit would take a dataclass for a part of the loop's state.
+    """
+
+    def __init__(
+        self, model: str, exit: str, terms: tuple[str, ...], max_depth: int, rr_depth: int, max_steps: int,
+        hide_emitters: bool,
+    ) -> None:  # fmt: skip
+        """Hold checked values."""
+        self.model, self.exit = model, exit
+        self.reduced, self.single, self.multiple = (term in terms for term in TERMS)
+        self.max_depth, self.rr_depth, self.max_steps = max_depth, rr_depth, max_steps
+        self.hide_emitters = hide_emitters
+
+    @property
+    def terms(self) -> str:
+        """The terms as their parameter would be written."""
+        chosen = [term for term in TERMS if getattr(self, term)]
+        return "all" if len(chosen) == len(TERMS) else "+".join(chosen)
+
+
+def read(props: Any) -> Settings:
+    """Read the plugin's properties; raises `ParameterError` that names what can't be."""
+    model, exit_ = str(props.get("model", "walk")), str(props.get("exit", "lobe"))
+    if model not in MODELS:
+        raise unknown_name("model", model, MODELS)
+    if exit_ not in EXITS:
+        raise unknown_name("exit", exit_, EXITS)
+    terms = _terms(str(props.get("terms", "all")))
+    return Settings(
+        model,
+        exit_,
+        terms,
+        max_depth=_count(props, "max_depth", -1, -1, "-1 (no limit), or the longest path's number of edges"),
+        rr_depth=_count(props, "rr_depth", 5, 1, "the depth, from 1, at which Russian roulette begins"),
+        max_steps=_count(props, "max_steps", 100_000, 1, "the longest walk's number of events, from 1"),
+        hide_emitters=bool(props.get("hide_emitters", False)),
+    )
+
+
+def _terms(text: str) -> tuple[str, ...]:
+    parts = tuple(text.replace(" ", "").split("+"))
+    if parts == ("all",):
+        return TERMS
+    for part in parts:
+        if part not in TERMS:
+            raise unknown_name("term", part, ("all", *TERMS))
+    return parts
+
+
+def _count(props: Any, key: str, default: int, least: int, meaning: str) -> int:
+    value = props.get(key, default)
+    if not isinstance(value, int) or isinstance(value, bool) or value < least:
+        raise ParameterError(f"{key} is {value!r}; it must be {meaning}.")
+    return NO_LIMIT if value == -1 else value

@@ -1,0 +1,132 @@
+"""The integrator plugin `translucent_path`: a path tracer that walks through translucent objects."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+from mitsuba.ad.integrators.common import ADIntegrator
+
+from nephrite.errors import VariantError
+from nephrite.plugins import auto, camera, path, settings
+from nephrite.plugins.media import Media
+
+
+class TranslucentPath(ADIntegrator):
+    r"""
+    Path tracer for translucent objects (:monosp:`translucent_path`)
+    ----------------------------------------------------------------
+
+    .. pluginparameters::
+
+     * - model
+       - |string|
+       - What happens under a translucent surface: ``walk`` (volumetric random walk), ``dipole`` (diffusion from the
+         second scattering event on), ``brdf`` (light leaves where it entered), or ``auto`` (chosen for each object by
+         its optical thickness and albedo; the choice is logged). (Default: walk)
+     * - terms
+       - |string|
+       - ``all``, or a sum of ``reduced``, ``single`` and ``multiple``: the paths that scatter in media never,
+         once, or more often; everything that is no medium counts as ``reduced``. (Default: all)
+     * - exit
+       - |string|
+       - ``exact``: light leaves in the direction that it has, and finds lights by chance; unbiased. ``lobe``: lights
+         are connected to, by an estimate of the exitant radiance from the walks' last directions. (Default: lobe)
+     * - max_depth
+       - |int|
+       - Longest path, as in Mitsuba's integrators; a whole walk counts as one bounce. -1: no limit. (Default: -1)
+     * - rr_depth
+       - |int|
+       - Depth at which Russian roulette begins. (Default: 5)
+     * - max_steps
+       - |int|
+       - Longest walk. What it cuts is measured and logged. (Default: 100000)
+     * - hide_emitters
+       - |bool|
+       - Hide directly visible emitters. (Default: no)
+
+    A drop-in for :monosp:`volpath`: it renders the :monosp:`translucent` BSDF, any shape with a :monosp:`homogeneous`
+    interior medium (isotropic or Henyey-Greenstein) behind a :monosp:`dielectric` or :monosp:`roughdielectric`, and
+    everything else that a path tracer does. ``model: walk, exit: exact`` has the expectation of :monosp:`volpathmis`.
+
+    Differences to :monosp:`volpath`: which side of a surface a ray is on follows from the path, not from the winding;
+    the walk's roulette begins where 95 % of its light is gone; media that are not homogeneous, or that fill the space
+    around objects, are refused. The sampler of the sensor gives the sample count; numbers are independent.
+    Derivatives are not supported.
+
+    .. code-block:: python
+
+        'type': 'translucent_path', 'model': 'walk', 'exit': 'lobe', 'terms': 'all'
+    """
+
+    def __init__(self, props: Any) -> None:
+        """Read the parameters (see the class)."""
+        self.settings = settings.read(props)
+        props["max_depth"] = -1
+        super().__init__(props)
+        if mi.is_polarized:
+            raise VariantError(f"translucent_path does not track polarisation, as {mi.variant()} does.")
+        self.choices: list[auto.Choice] = []
+        self.cut_fraction = 0.0
+
+    def sample(
+        self,
+        mode: Any,
+        scene: Any,
+        sampler: Any,
+        ray: Any,
+        active: Any = True,
+        **_: Any,
+    ) -> tuple[Any, Any, list[Any], Any]:
+        """Return radiance, validity, no AOVs and radiance along rays: Mitsuba's contract for integrators."""
+        if mode != dr.ADMode.Primal:
+            raise VariantError("translucent_path computes no derivatives yet: render without them.")
+        media = self._survey(scene)
+        result = path.trace(self.settings, scene, media, sampler, path.OneRay(ray, active))
+        return result.L, result.valid, [], result.L
+
+    def render(
+        self, scene: Any, sensor: Any = 0, seed: int = 0, spp: int = 0, develop: bool = True, evaluate: bool = True
+    ) -> Any:  # fmt: skip
+        """Render an image; each lane traces many paths, one after the other, so that none waits for the longest."""
+        sensor = scene.sensors()[sensor] if isinstance(sensor, int) else sensor
+        media = self._survey(scene)
+        with dr.suspend_grad():
+            source = camera.Camera(sensor, spp, seed)
+            result = path.trace(self.settings, scene, media, source.sampler, source)
+            film = sensor.film()
+            film.put_block(source.block)
+            self._report(result)
+            if not develop:
+                return None
+            image = film.develop()
+            if evaluate:
+                dr.eval(image)
+        return image
+
+    def _survey(self, scene: Any) -> Media:
+        media = Media.of(scene)
+        self.choices = auto.choose(self.settings.model, media, scene)
+        return media
+
+    def _report(self, result: path.Result) -> None:
+        if not self.settings.max_steps < settings.NO_LIMIT:
+            return
+        lost, total = dr.sum(result.cut), dr.sum(result.started)
+        self.cut_fraction = float(lost[0] / total[0]) if total[0] > 0 else 0.0
+        if self.cut_fraction > 1e-4:
+            mi.Log(
+                mi.LogLevel.Warn,
+                f"max_steps = {self.settings.max_steps} cut {100 * self.cut_fraction:.2g} % of the walks' light",
+            )
+
+    def to_string(self) -> str:
+        """Describe the integrator in one line."""
+        s = self.settings
+        return f"TranslucentPath[model = {s.model}, exit = {s.exit}, terms = {s.terms}]"
+
+
+def register() -> None:
+    """Register the plugin in the present variant."""
+    mi.register_integrator("translucent_path", TranslucentPath)
