@@ -14,7 +14,8 @@ from nephrite.cli import errors
 from nephrite.cli.app import app
 from nephrite.errors import MeshError, ParameterError
 
-SLOW = ("mitsuba", "drjit", "trimesh", "scipy", "PIL", "pyoidn", "pymeshfix")
+# Mitsuba itself is loaded with the package, which makes its plugins known to it.
+SLOW = ("trimesh", "scipy", "PIL", "pyoidn", "pymeshfix")
 
 
 def test_the_version_is_printed() -> None:
