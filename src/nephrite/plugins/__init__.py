@@ -1,6 +1,6 @@
 """The Mitsuba plugins: the only code of this package that is bound to a variant.
 
-`install()` makes Mitsuba call `_register` now, if a variant is set, and on every switch of variant from then on.
+`install()` makes Mitsuba call `_on_variant` now, if a variant is set, and on every switch of variant from then on.
 The plugins' modules hold classes that derive from the variant's own, so each switch builds them anew.
 """
 
@@ -9,7 +9,7 @@ from __future__ import annotations
 import importlib
 import sys
 
-_MODULES = ("translucent", "translucent_path")
+_PLUGINS = ("translucent", "translucent_path")
 _installed = False
 
 
@@ -18,9 +18,10 @@ def install() -> None:
     global _installed
     import mitsuba as mi
 
-    if not _installed:
-        mi.detail.add_variant_callback(_on_variant)
-        _installed = True
+    if _installed:
+        return
+    _installed = True
+    mi.detail.add_variant_callback(_on_variant)
     if mi.variant() is not None:
         _on_variant(None, mi.variant())
 
@@ -28,7 +29,12 @@ def install() -> None:
 def _on_variant(old: str | None, new: str | None) -> None:
     if new is None or old == new:
         return
-    for name in _MODULES:
+    if new.startswith("scalar"):
+        from nephrite.plugins import scalar
+
+        scalar.register()
+        return
+    for name in _PLUGINS:
         full = f"{__name__}.{name}"
         module = sys.modules.get(full)
         module = importlib.import_module(full) if module is None else importlib.reload(module)
