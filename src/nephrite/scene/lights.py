@@ -84,8 +84,8 @@ def _benchmark(size: float) -> Plugins:
             "to_world": _facing((0, 0, 0), (0, 1, 0), 6 * size),
             "bsdf": _diffuse(0.3),
         },
-        "light": _softbox(size, (-0.9, 1.6, -0.9), 0.35, 25.0),
-        "sky": _constant((0.15, 0.15, 0.17)),
+        "light": _evenly(_softbox(size, (-0.9, 1.6, -0.9), 0.35, 25.0)),
+        "sky": _evenly(_constant((0.15, 0.15, 0.17))),
     }
 
 
@@ -98,15 +98,16 @@ _RIGS: dict[str, Callable[[float], Plugins]] = {
 }
 
 AIM = (0.0, 0.3, 0.0)  # what every light points at, in units of the size
+LEAST_WEIGHT = 0.2  # of a light in sampling: what only it reaches shall not be left noisy
 
 
 def _softbox(size: float, position: Sequence[float], half_side: float, radiance: Colour) -> dict[str, Any]:
     """A square light that shines from one side, towards the object."""
-    origin = [size * x for x in position]
+    irradiance = _mean(radiance) * (2 * half_side) ** 2 / math.dist(position, AIM) ** 2
     return {
         "type": "rectangle",
-        "to_world": _facing(origin, [size * x for x in AIM], half_side * size),
-        "emitter": {"type": "area", "radiance": _rgb(radiance)},
+        "to_world": _facing([size * x for x in position], [size * x for x in AIM], half_side * size),
+        "emitter": {"type": "area", "radiance": _rgb(radiance), "sampling_weight": _weight(irradiance)},
         "bsdf": _diffuse(0.0),
     }
 
@@ -147,7 +148,24 @@ def _diffuse(grey: float) -> dict[str, Any]:
 
 
 def _constant(radiance: Colour) -> dict[str, Any]:
-    return {"type": "constant", "radiance": _rgb(radiance)}
+    weight = _weight(math.pi * _mean(radiance))
+    return {"type": "constant", "radiance": _rgb(radiance), "sampling_weight": weight}
+
+
+def _weight(irradiance: float) -> float:
+    """How often a light is sampled: as often as the object gets light from it, and never too seldom."""
+    return max(irradiance, LEAST_WEIGHT)
+
+
+def _evenly(plugin: dict[str, Any]) -> dict[str, Any]:
+    """Have a light sampled as often as any other, which is Mitsuba's default."""
+    emitter = plugin.get("emitter", plugin)
+    del emitter["sampling_weight"]
+    return plugin
+
+
+def _mean(colour: Colour) -> float:
+    return sum(colour) / len(colour) if isinstance(colour, Sequence) else colour
 
 
 def _rgb(value: Colour) -> dict[str, Any]:
