@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import signal
 from dataclasses import replace
 from pathlib import Path
@@ -96,6 +97,12 @@ def test_a_material_of_ones_own_is_used(tmp_path):
     result = nephrite("render", "sphere", "--material-file", table, *TINY, "-o", path)
     assert result.exit_code == 0, result.output
     assert write.read_metadata(path)["material"] == "my-test-wax"
+
+
+def test_auto_tells_what_it_chose_and_why(tmp_path):
+    result = nephrite("render", "sphere", "--model", "auto", *TINY, "-o", tmp_path / "a.exr")
+    assert result.exit_code == 0, result.output
+    assert re.search(r"^object: (walk|dipole|brdf|reduced|single), \w+", result.output, re.MULTILINE)
 
 
 def test_a_scene_file_is_rendered_by_our_integrator_in_its_own_light(tmp_path):

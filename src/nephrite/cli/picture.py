@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import typer
 
 from nephrite.cli import progress
 from nephrite.cli.errors import warn
@@ -19,15 +21,16 @@ if TYPE_CHECKING:
 
 
 def rendered(scene: mi.Scene, settings: Settings, title: str) -> Result:
-    """Render `scene` as `settings` say, showing how far it is; messages of the renderer become warnings."""
+    """Render `scene` as `settings` say, showing how far it is, and tell what `auto` chose."""
     import mitsuba as mi
 
     from nephrite.rendering import progressive
 
+    integrator: Any = mi.load_dict(settings.integrator())
     with progress.shown(title) as listen:
         result = progressive.render(
             scene,
-            mi.load_dict(settings.integrator()),
+            integrator,
             spp=settings.spp,
             time_s=settings.time,
             noise=settings.noise,
@@ -36,6 +39,9 @@ def rendered(scene: mi.Scene, settings: Settings, title: str) -> Result:
         )
     for note in result.notes:
         warn(note)
+    if settings.model == "auto":
+        for choice in integrator.choices:
+            typer.echo(f"{choice.name}: {choice.model}, {choice.reason}")
     return result
 
 
