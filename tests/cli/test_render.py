@@ -102,7 +102,7 @@ def test_a_material_of_ones_own_is_used(tmp_path):
 def test_auto_tells_what_it_chose_and_why(tmp_path):
     result = nephrite("render", "sphere", "--model", "auto", *TINY, "-o", tmp_path / "a.exr")
     assert result.exit_code == 0, result.output
-    assert re.search(r"^object: (walk|dipole|brdf|reduced|single), \w+", result.output, re.MULTILINE)
+    assert re.search(r"^jade: \w+, \w+", result.output, re.MULTILINE)
 
 
 def test_a_scene_file_is_rendered_by_our_integrator_in_its_own_light(tmp_path):
