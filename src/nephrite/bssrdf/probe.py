@@ -1,9 +1,9 @@
-"""Probe rays: find a surface point around another one, with a density that can be evaluated afterwards.
+"""Probe rays: find the surface around a point, with a density that can be evaluated afterwards.
 
-A radius is drawn from the profile of one colour channel, and projected onto the surface along one of three axes: the
-normal with probability 1/2, two tangents with 1/4 each. All hits on the object along the chord of the sphere of
-radius `r_max` count, and one of them is chosen. The density of the point, per area, is a balance heuristic over axes
-and channels (King et al. 2013; Pharr et al. 2016, section 15.4).
+A radius is drawn from the profile of one colour channel and projected onto the surface along one of three axes: the
+normal, more often, or one of two tangents. Every hit on the object counts that lies on the chord of the sphere of
+radius `r_max`. The density of a point, per area, is that of the balance heuristic over axes and channels (King et al.
+2013; Pharr et al. 2016, section 15.4).
 """
 
 from __future__ import annotations
@@ -13,60 +13,50 @@ from typing import Any
 
 import drjit as dr
 
-__all__ = ["AXES", "chord", "density", "frame_axis", "truncation_radius"]
+__all__ = ["AXES", "axis", "chord", "density", "truncation_radius"]
 
-AXES = (0.25, 0.25, 0.5)
-"""Probability of projecting along the first tangent, the second tangent, the normal."""
+AXES = (0.6, 0.2, 0.2)
+"""Probability of the normal and of the two tangents."""
 
-_TRUNCATED = 1e-3
+_KEPT = 0.99
 
 
 def truncation_radius(profile: Any, longest: Any) -> Any:
-    """Radius r_max within which all but a thousandth of the profile's light leaves, `longest` at the most.
-
-    By bisection of `profile.cdf` in ln r between `1e-6 longest` and `longest`.
-    """
-    low, high = dr.log(longest * 1e-6) + 0.0 * profile.z_real, dr.log(longest) + 0.0 * profile.z_real
-    for _ in range(16):
-        middle = 0.5 * (low + high)
-        inside = profile.cdf(dr.exp(middle)) < 1.0 - _TRUNCATED
-        low, high = dr.select(inside, middle, low), dr.select(inside, high, middle)
-    return dr.exp(high)
+    """Radius r_max within which all but a hundredth of the profile's light leaves, `longest` at the most."""
+    return dr.minimum(profile.sample(_KEPT, 1.0), longest)
 
 
-def frame_axis(frame: Any, u: Any) -> tuple[Any, Any, Any]:
-    """Choose the axis of projection for a uniform number; return (axis, and the two that span its plane)."""
+def axis(frame: Any, u: Any) -> tuple[Any, Any, Any]:
+    """Choose the axis of projection for a uniform number; return it and the two that span its plane."""
     s, t, n = frame.s, frame.t, frame.n
     first, second = u < AXES[0], u < AXES[0] + AXES[1]
-    axis = dr.select(first, s, dr.select(second, t, n))
-    across = dr.select(first, t, dr.select(second, n, s))
     along = dr.select(first, n, dr.select(second, s, t))
-    return axis, across, along
+    across = dr.select(first, s, dr.select(second, t, n))
+    other = dr.select(first, t, dr.select(second, n, s))
+    return along, across, other
 
 
 def chord(p: Any, axes: tuple[Any, Any, Any], r: Any, r_max: Any, u: Any) -> tuple[Any, Any, Any]:
     """Return (origin, direction, length) of the probe ray at the radius `r` around `p`, at the angle 2 pi u."""
-    axis, across, along = axes
+    along, across, other = axes
     sine, cosine = dr.sincos(2.0 * math.pi * u)
     half = dr.sqrt(dr.maximum(r_max * r_max - r * r, 0.0))
-    origin = p + r * (across * cosine + along * sine) + half * axis
-    return origin, -axis, 2.0 * half
+    origin = p + r * (across * cosine + other * sine) + half * along
+    return origin, -along, 2.0 * half
 
 
-def density(profile: Any, frame: Any, offset: Any, normal: Any, r_max: Any, weights: Any) -> Any:
+def density(profile: Any, frame: Any, offset: Any, normal: Any, r_max: Any) -> Any:
     """Density per area with which the probe finds the point at `offset` with the surface normal `normal`.
 
-    One number for each channel of `profile`, already weighted: sum them. `r_max`, `weights`: truncation radius and
-    probability of each channel. The density of a radius is `pdf(r) / cdf(r_max)`; over the circle, per area of the
-    plane, it is divided by 2 pi r.
+    One number for each channel of `profile` as the one that the radius was drawn for; `r_max`: its truncation radius.
+    The density of a radius is `pdf(r) / cdf(r_max)`; over the circle, per area of the plane, it is divided by 2 pi r.
     """
     total = 0.0
-    within = profile.cdf(r_max)
-    for axis, probability in zip((frame.s, frame.t, frame.n), AXES, strict=True):
-        height = dr.dot(offset, axis)
-        r2 = dr.maximum(dr.squared_norm(offset) - height * height, 1e-20)
-        r = dr.sqrt(r2)
-        flat = profile.pdf(r) / (2.0 * math.pi * r * dr.maximum(within, 1e-20))
-        reach = (r < r_max) & (height * height <= r_max * r_max - r2)
-        total += probability * dr.abs(dr.dot(normal, axis)) * dr.select(reach, flat, 0.0)
-    return total * weights
+    within = dr.maximum(profile.cdf(r_max), 1e-20)
+    distance2 = dr.squared_norm(offset)
+    for along, probability in zip((frame.n, frame.s, frame.t), AXES, strict=True):
+        height = dr.dot(offset, along)
+        r = dr.sqrt(dr.maximum(distance2 - height * height, 1e-20))
+        flat = profile.pdf(r) / (2.0 * math.pi * r * within)
+        total += probability * dr.abs(dr.dot(normal, along)) * dr.select(distance2 < r_max * r_max, flat, 0.0)
+    return total

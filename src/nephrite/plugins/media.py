@@ -54,6 +54,20 @@ class Entry:
         return self.bsdf.emitted(si, active) if self.bsdf is not None else mi.Spectrum(0.0)
 
     @property
+    def boundary(self) -> float:
+        """The dipole's A."""
+        return fresnel.boundary_factor(self.eta)
+
+    @property
+    def single_share(self) -> float:
+        """Share of light that leaves after one event, per albedo."""
+        return single_scattering_share(self.g, self.eta)
+
+    def reach(self) -> float:
+        """Longest diagonal of the bounding boxes of its shapes."""
+        return max(float(dr.norm(shape.bbox().extents())) for shape in self.shapes)
+
+    @property
     def emits(self) -> bool:
         """Whether the medium emits light."""
         return self.bsdf is not None and self.bsdf.emission is not None
@@ -78,19 +92,26 @@ class Media:
         self.normalization = _column([one.normalization for one in lobes], 1.0)
         self.m2 = _column([one.m2 for one in lobes], 1.0)
         self.m4 = _column([one.m4 for one in lobes], 2.0)
-        self.boundary = _column([fresnel.boundary_factor(entry.eta) for entry in entries], 1.0)
-        self.single_share = _column([single_scattering_share(e.g, e.eta) for e in entries], 0.0)
+        self.boundary = _column([entry.boundary for entry in entries], 1.0)
+        self.reach = _column([entry.reach() for entry in entries], 0.0)
+        self.single_share = _column([e.single_share for e in entries], 0.0)
         self.rough = _column([float(entry.surface is not None) for entry in entries], 0.0)
         self.any_rough = any(entry.surface is not None for entry in entries)
         self.any_emission = any(entry.emits for entry in entries)
         dr.eval(self._of_shape)
+        self.set_kept([1.0] * len(entries))
         self.set_models([WALK] * len(entries))
 
     def set_models(self, models: list[int]) -> None:
         """Set what is computed under each material's surface: `WALK`, `JUMP` or `LOCAL`."""
+        self.models = models
         self._model = mi.UInt32([WALK, *models])
         dr.eval(self._model)
         self.any_jump, self.any_local = JUMP in models, LOCAL in models
+
+    def set_kept(self, factors: list[float]) -> None:
+        """Set the factor on each material's jumps; see `conserve`."""
+        self.kept = _column(factors, 1.0)
 
     def jumps(self, number: Any) -> Any:
         """Whether the dipole takes over from the walk at its second event."""

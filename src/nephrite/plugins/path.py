@@ -15,8 +15,7 @@ import mitsuba as mi
 
 from nephrite.bssrdf import lobe
 from nephrite.physics import phase
-from nephrite.plugins import channels, interface
-from nephrite.plugins.jump import Landing, conditional_scale, jump
+from nephrite.plugins import channels, interface, jump
 from nephrite.plugins.media import Media
 from nephrite.plugins.settings import Settings
 from nephrite.profiles import StandardDipole
@@ -79,7 +78,9 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
     entered = mi.Float(0)                               # Light at entry
     entry_p, entry_n = mi.Point3f(0), mi.Vector3f(0, 0, 1)
     entry_side = mi.Float(1)
+    reach = mi.Float(0)                                 # Length of the shape's bounding box
     cut, started = mi.Float(0), mi.Float(0)
+    search = jump.idle() if media.any_jump else None    # The dipole's probe
 
     while dr.hint(active, label="translucent_path"):
         # --- Start the next path of a lane --------------------------------------------------------------------------
@@ -94,13 +95,20 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                 paths += 1
 
         # --- Step: to the next event or the next surface, whichever is first ----------------------------------------
-        inside = within != 0
+        searching = mi.Bool(False)
+        if dr.hint(media.any_jump, mode="scalar"):
+            searching = mi.Bool(search.active)
+        inside = (within != 0) & ~searching
         leading = channels.pick(sigma_t, channel)
         free = -dr.log(1 - sampler.next_1d(active)) / leading
         ray.maxt = dr.select(inside & (leading > 0), free, dr.largest(mi.Float))
+        if dr.hint(media.any_jump, mode="scalar"):
+            ray.maxt = dr.select(searching, search.left, ray.maxt)
         hit = scene.ray_intersect_preliminary(ray, coherent=False, active=active)
         stops = hit.is_valid()
-        scatters = active & inside & ~stops & (ray.maxt < dr.largest(mi.Float))
+        # a walk that is farther from its entry than its shape is long has found a hole in it: let it go
+        escapes = active & inside & ~stops & (dr.squared_norm(ray.o - entry_p) > dr.square(reach))
+        scatters = active & inside & ~stops & ~escapes & (ray.maxt < dr.largest(mi.Float))
         distance = dr.minimum(dr.select(stops, hit.t, ray.maxt), 1e30)
 
         if dr.hint(media.any_emission, mode="scalar"):
@@ -115,8 +123,9 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
         along = dr.exp(-sigma_t * distance)
         density = along * dr.select(scatters, sigma_t, 1)
         of_leader = dr.maximum(channels.pick(density, channel), 1e-30)
-        β[inside] = β * along * dr.select(scatters, sigma_s, 1) / of_leader
-        ratio[inside] = ratio * density / of_leader
+        stays = inside & ~escapes
+        β[stays] = β * along * dr.select(scatters, sigma_s, 1) / of_leader
+        ratio[stays] = ratio * density / of_leader
         steps[active] += 1
 
         # --- Event: a new direction by the phase function -----------------------------------------------------------
@@ -130,30 +139,46 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
         weight = β / dr.sum(ratio)
         dead = active & ~_may_go_on(s, order)
 
-        # --- Jump: the dipole takes over at the second event --------------------------------------------------------
-        landed = mi.Bool(False)
-        landing_si = dr.zeros(mi.SurfaceInteraction3f)
-        landing_n = mi.Vector3f(0, 0, 1)
-        landing_weight = mi.Spectrum(0)
+        # --- Jump: at the second event the dipole takes over, and looks for where the light comes out -----------------
         jumps = mi.Bool(False)
         if dr.hint(media.any_jump, mode="scalar"):
             jumps = scatters & (events == 2) & media.jumps(within) & ~dead
             if jumps:
                 profile = StandardDipole(sigma_t - sigma_s, sigma_s * (1 - g), media.lookup(media.boundary, within))
                 albedo = sigma_s / dr.maximum(sigma_t, 1e-30)
-                share = media.lookup(media.single_share, within)
-                landing = jump(
-                    scene, sampler, profile, entry_p, entry_n, entry_side, within_shape, weight, longest, jumps
-                )
-                landing_si, landing_n = landing.si, landing.normal
-                landing_weight = landing.weight * conditional_scale(profile, albedo, share)
-            landed = jumps & (dr.max(landing_weight) > 0)
-            dead |= jumps & ~landed
+                scale = jump.conditional_scale(profile, albedo, media.lookup(media.single_share, within))
+                β = weight * scale * media.lookup(media.kept, within)
+                ratio = channels.solo(β)
+                search, start, along_chord = jump.begin(profile, entry_p, entry_n, β, longest, sampler, jumps)
+                ray.o, ray.d = start, along_chord
+                dead |= ~search.active
 
-        # --- Surface ------------------------------------------------------------------------------------------------
-        reaches = active & ~scatters & ~dead
-        if reaches | landed:
-            si = hit.compute_surface_interaction(ray, mi.RayFlags.All, reaches)
+        within, within_shape = dr.select(escapes, outer, within), dr.select(escapes, outer_shape, within_shape)
+        outer, outer_shape = dr.select(escapes, 0, outer), dr.select(escapes, 0, outer_shape)
+        stays = scatters | escapes | dead
+        reaches = active & ~stays & ~searching
+        if active & ~stays:
+            si = hit.compute_surface_interaction(ray, mi.RayFlags.All, active & ~stays)
+            identity = dr.reinterpret_array(mi.UInt32, si.shape)
+            landed, landing_n, landing_weight = mi.Bool(False), mi.Vector3f(0, 0, 1), mi.Spectrum(0)
+            at = si
+
+            # A probe: count the point, go on along the chord, land at its end
+            if dr.hint(media.any_jump, mode="scalar"):
+                if searching:
+                    counts = searching & si.is_valid() & (identity == within_shape)
+                    profile = StandardDipole(
+                        sigma_t - sigma_s, sigma_s * (1 - g), media.lookup(media.boundary, within)
+                    )
+                    search = jump.visit(search, profile, si, entry_p, entry_n, sampler.next_1d(counts), counts)
+                    ray.o = jump.advance(search, si, ray, searching)
+                    search.active &= si.is_valid()
+                    landed = searching & ~search.active & (search.total > 0)
+                    dead |= searching & ~search.active & ~landed
+                    landing_weight = search.share * search.total
+                    landing_n = search.shading * dr.sign(dr.dot(search.shading, search.n)) * entry_side
+                    at.p = dr.select(landed, search.p, at.p)
+                    at.n = dr.select(landed, search.n, at.n)
 
             # Light that the path has run into
             emitter = si.emitter(scene, reaches)
@@ -171,7 +196,6 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             valid |= reaches & si.is_valid()
             dead |= reaches & ~goes_on
             number = dr.select(goes_on, media.number(si.shape), 0)
-            identity = dr.reinterpret_array(mi.UInt32, si.shape)
             crossing, opaque = goes_on & (number != 0), goes_on & (number == 0)
             leaving = crossing & (identity == within_shape)
             stale = crossing & ~leaving & (outer != 0) & (identity == outer_shape)  # overlapping objects
@@ -216,7 +240,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                     absorbed, scattered = media.coefficients(number, si, local)
                     mean_cosine = media.lookup(media.g, number)
                     boundary = media.lookup(media.boundary, number)
-                    landing_si, landing_n = si, outward
+                    landing_n = outward
                     landing_weight = StandardDipole(absorbed, scattered * (1 - mean_cosine), boundary).albedo()
                     order += 2
                 landed |= local
@@ -224,14 +248,13 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                 enters &= ~local
 
             # Where it leaves: the point, the direction, and the lobe that lights see
-            from_number = dr.select(landed & jumps, within, number)
-            to_medium = dr.select(landed & jumps, outer, outside)
+            from_number = dr.select(landed & searching, within, number)
+            to_medium = dr.select(landed & searching, outer, outside)
             by_lobe = landed | (
                 exits & ~rough & (events > 0) if dr.hint(s.exit == "lobe", mode="scalar") else mi.Bool(False)
             )
             eta_exit = media.lookup(media.eta, from_number)
             normalization = media.lookup(media.normalization, from_number)
-            at = dr.select(landed, landing_si, si)
             normal = dr.select(landed, landing_n, outward)
             around = mi.Frame3f(normal)
             if landed:
@@ -281,7 +304,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             last_pdf = dr.select(by_lobe, lobe_pdf, dr.select(rough, rough_pdf, last_pdf))
             connected = (by_lobe | (rough & (reflects ^ leaving) & ~rough_delta)) & (to_medium == 0)
             last_delta = dr.select(opaque, last_delta, ~connected)
-            last_p = at.p
+            last_p = dr.select(searching & ~landed, last_p, at.p)
 
             # Go over into another medium
             if passes & ~dead | landed:
@@ -304,22 +327,24 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                     channel, β, ratio = channels.lead(β, sampler.next_1d())
                     events, steps = mi.UInt32(0), mi.UInt32(0)
                     entry_p, entry_n = si.p, outward
+                    reach = media.lookup(media.reach, within)
                     entry_side = dr.select(dr.dot(si.n, outward) > 0, mi.Float(1), mi.Float(-1))
             depth[opaque | (crossing & reflects & ~leaving)] += 1
 
             time, wavelengths = ray.time, ray.wavelengths
-            ray = at.spawn_ray(direction)
-            ray.time, ray.wavelengths = time, wavelengths
+            following = at.spawn_ray(direction)
+            following.time, following.wavelengths = time, wavelengths
+            ray = dr.select(searching & ~landed, ray, following)
 
         # --- End: roulette on what is left ---------------------------------------------------------------------------
         worth = dr.max(β / dr.sum(ratio))
-        walking = within != 0
+        walking = (within != 0) & ~jumps & ~searching
         spent = active & walking & (steps >= s.max_steps)
         cut[spent & ~dead] += worth
         survival = dr.select(
             walking,
             worth / dr.maximum(ROULETTE_SHARE * entered, 1e-30),
-            dr.select(depth > s.rr_depth, dr.minimum(worth, 0.95), 1),
+            dr.select((depth > s.rr_depth) & (within == 0), dr.minimum(worth, 0.95), 1),
         )
         survival = dr.minimum(survival, 1)
         dead |= spent | ~(worth > 0) | (sampler.next_1d(active) >= survival)

@@ -10,6 +10,7 @@ from mitsuba.ad.integrators.common import ADIntegrator
 
 from nephrite.errors import VariantError
 from nephrite.plugins import auto, camera, path, settings
+from nephrite.plugins.conserve import conserve
 from nephrite.plugins.media import Media
 
 
@@ -108,6 +109,8 @@ class TranslucentPath(ADIntegrator):
     def _survey(self, scene: Any) -> Media:
         media = Media.of(scene)
         self.choices = auto.choose(self.settings.model, media, scene)
+        if media.any_jump:
+            conserve(media, scene)
         return media
 
     def _report(self, result: path.Result) -> None:
