@@ -37,7 +37,7 @@ figures: $(INSTALLED)
 	  --resolution 640x480 -o out/figures/brdf-bssrdf.png
 	$(BIN)/nephrite compare dragon --material skimmilk --light benchmark --terms 'reduced | single | multiple | all' \
 	  --resolution 640x480 -o out/figures/terms.png
-	$(BIN)/nephrite render dragon --material jade --resolution 1200x900 --spp 64 -o out/figures/jade-dragon.png
+	$(BIN)/nephrite render dragon --material jade --resolution 960x720 --time 90s -o out/figures/jade-dragon.png
 
 test: $(DEVELOPED)
 	$(BIN)/python -m pytest $(PYTEST)

@@ -48,7 +48,7 @@ def never_rendered(monkeypatch):
 def test_png_and_exr_tell_how_they_were_made(tmp_path):
     png, exr = tmp_path / "ball.png", tmp_path / "ball.exr"
     result = nephrite(
-        "render", "sphere", "-m", "marble", "--size", "2cm", "--seed", "5", *TINY, "-o", png, "-o", exr
+        "render", "sphere", "-m", "Marble", "--size", "2cm", "--seed", "5", *TINY, "-o", png, "-o", exr
     )
     assert result.exit_code == 0, result.output
     for path in (png, exr):

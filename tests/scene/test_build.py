@@ -144,3 +144,17 @@ def test_the_mask_shows_where_the_translucent_object_is(tmp_path: Path) -> None:
 
 def scene_fov(scene: mi.Scene) -> float:
     return float(mi.traverse(scene.sensors()[0])["x_fov"].numpy()[0])
+
+
+def test_the_shapes_of_a_scene_file_keep_their_order(tmp_path: Path) -> None:
+    lamp = '<shape type="{kind}" id="{name}"><emitter type="area"/></shape>'
+    lamps = [
+        lamp.format(kind=kind, name=f"lamp{n}") for n, kind in enumerate(("cube", "rectangle", "sphere") * 3)
+    ]
+    text = SCENE.format(inside=FOGGY).replace("<emitter", "".join(lamps) + "<emitter")
+    path = scene_file(tmp_path, text)
+    for _ in range(4):
+        assert [shape.id() for shape in build.load_xml(path).shapes()] == [
+            "ball",
+            *(f"lamp{n}" for n in range(9)),
+        ]

@@ -53,14 +53,12 @@ def compare(
         source, material=material or own, size=size, light=light, alpha=alpha, up=up, model=model, exit=exit,
         resolution=resolution, spp=spp, time=time, noise=noise, seed=seed,
     )  # fmt: skip
-    settings = panels.variations(base, values)
+    settings = {label: one.checked() for label, one in panels.variations(base, values).items()}
     if len(settings) < 2:
         raise ParameterError(
             "nothing to compare: name at least two with --models, --terms or --materials, "
             "such as --models brdf,dipole,walk"
         )
-    for setting in settings.values():
-        setting.check()
     path = output or Path(f"{Path(source).stem}-comparison.png")
     if path.suffix.lower() != ".png":
         raise ParameterError(f"{str(path)!r}: a labelled figure is a PNG file; name one that ends in .png")
@@ -79,7 +77,7 @@ def compare(
             complain("Stopped: no figure was written.")
             raise typer.Exit(INTERRUPTED)
     against = shown[0 if reference == "first" else -1]
-    title = base.title() if "material" not in values else Path(source).stem
+    title = base.checked().title() if "material" not in values else Path(source).stem
     notes = {**base.notes(), "compared": " | ".join(settings), "reference": against.label}
     write.save(path, panels.laid_out(shown, against, title, exposure), notes)
     for panel, difference in zip(shown, panels.differences(shown, against), strict=True):

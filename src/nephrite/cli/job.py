@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -69,12 +69,15 @@ class Settings:
 
         return build.integrator_dict(self.model, self.terms, self.exit)
 
-    def check(self) -> None:
-        """Raise ParameterError, with a suggestion, for an unknown material, model, term or exit."""
+    def checked(self) -> Settings:
+        """Return the settings with the material's own name; ParameterError, with a suggestion, if unknown.
+
+        Models, terms and exits are checked as well.
+        """
         from nephrite import materials
 
-        materials.find(self.material)
         self.integrator()
+        return replace(self, material=materials.find(self.material).name)
 
     def title(self) -> str:
         """Return what is shown, in a few words."""
@@ -141,7 +144,8 @@ class Subject:
                 model=settings.model,
                 terms=settings.terms,
                 exit=settings.exit,
-            )
+            ),
+            optimize=build.OPTIMIZE,
         )
         assert isinstance(scene, mi.Scene)
         return scene

@@ -45,13 +45,12 @@ def render(
     settings = job.Settings.given(
         source, material=material or own, size=size, light=light, alpha=alpha, up=up, model=model,
         terms=terms, exit=exit, resolution=resolution, spp=spp, time=time, noise=noise, seed=seed,
-    )  # fmt: skip
+    ).checked()  # fmt: skip
     paths = output or [Path(settings.title().replace(" in ", "-").replace(" ", "-") + ".png")]
     for path in paths:
         made = write.check_writable(path)
         if made:
             warn(made)
-    settings.check()
 
     with clock.step("start"):
         variants.choose(variant)

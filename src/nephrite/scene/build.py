@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 MODELS = ("walk", "auto", "dipole", "brdf")
 EXITS = ("lobe", "exact")
 TERMS = ("reduced", "single", "multiple")
+OPTIMIZE = False  # Mitsuba's merging puts lights in an order that differs each time, and so does the noise
 OBJECT = "object"  # the name of the mesh in the scenes built here
 
 
@@ -125,7 +126,7 @@ def load_xml(path: str | Path, resolution: tuple[int, int] | None = None) -> mi.
     if not path.is_file():
         raise ParameterError(f"there is no scene file {str(path)!r}")
     try:
-        scene = mi.load_file(str(path))
+        scene = mi.load_file(str(path), optimize=OPTIMIZE)
     except (RuntimeError, ValueError, TypeError) as error:
         raise ParameterError(f"Mitsuba cannot load the scene {str(path)!r}: {error}") from error
     if not isinstance(scene, mi.Scene):
