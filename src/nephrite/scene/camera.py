@@ -60,7 +60,7 @@ def sensor(origin: ArrayLike, target: ArrayLike, resolution: tuple[int, int]) ->
             "type": "hdrfilm",
             "width": width,
             "height": height,
-            "pixel_format": "rgb",
+            "pixel_format": "luminance" if mi.is_monochromatic else "rgb",
             "component_format": "float32",
             "rfilter": {"type": "box"},
         },
