@@ -10,7 +10,6 @@ from typing import Any
 
 import drjit as dr
 import mitsuba as mi
-from mitsuba.ad.integrators.common import ADIntegrator
 
 PATHS_PER_LANE = 64
 MIN_LANES = 1 << 17
@@ -66,21 +65,23 @@ class Camera:
 
     def put(self, position: Any, radiance: Any, wavelengths: Any, valid: Any, active: Any) -> None:
         """Add one path's radiance to the film; what is not finite counts as black."""
-        finite = dr.all(dr.isfinite(radiance))
-        value = dr.select(finite, radiance, 0.0)
-        channels = _FilmChannels(self.block, active)
+        value = dr.select(dr.all(dr.isfinite(radiance)), radiance, 0.0)
         alpha = dr.select(valid, mi.Float(1.0), mi.Float(0.0))
-        ADIntegrator._splat_to_block(channels, self.film, position, value, mi.Float(1.0), alpha, [], wavelengths)
+        flags = self.film.flags()
+        if mi.has_flag(flags, mi.FilmFlags.Special):
+            values = self.film.prepare_sample(
+                value, wavelengths, self.block.channel_count(), weight=1.0, alpha=alpha
+            )
+        else:
+            values = list(_rgb(value, wavelengths))
+            if mi.has_flag(flags, mi.FilmFlags.Alpha):
+                values.append(alpha)
+            values.append(mi.Float(1.0))
+        self.block.put(position, values, active)
 
 
-class _FilmChannels:
-    """The image block, masked: lets Mitsuba's own helper write from inside a loop, for the lanes that are done."""
-
-    def __init__(self, block: Any, active: Any) -> None:
-        self._block, self._active = block, active
-
-    def channel_count(self) -> int:
-        return self._block.channel_count()
-
-    def put(self, position: Any, values: Any) -> None:
-        self._block.put(position, values, self._active)
+def _rgb(radiance: Any, wavelengths: Any) -> Any:
+    """Radiance of any variant as linear sRGB."""
+    if mi.is_spectral:
+        return mi.spectrum_to_srgb(radiance, wavelengths)
+    return mi.Color3f(radiance.x) if mi.is_monochromatic else radiance

@@ -41,7 +41,7 @@ def _mean_return(entry: Any, scene: Any) -> float:
         si.p, si.n, si.uv = place.p, place.n, place.uv
         si.sh_frame = mi.Frame3f(place.n)
         if mi.is_spectral:
-            si.wavelengths = mi.sample_wavelength(dr.gather(mi.Float, sampler.next_1d(), of_point * _JUMPS))[0]
+            si.wavelengths = mi.sample_rgb_spectrum(mi.sample_shifted(dr.gather(mi.Float, sampler.next_1d(), of_point * _JUMPS)))[0]
         sigma_a, sigma_s = entry.coefficients(si, True)
         profile = StandardDipole(sigma_a, sigma_s * (1 - entry.g), entry.boundary)
         share = sigma_s / dr.maximum(sigma_a + sigma_s, 1e-30)

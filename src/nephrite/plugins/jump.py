@@ -87,7 +87,7 @@ def begin(
     start, direction, left = probe.chord(origin, axes, radius, limit, u.y)
     search = idle()
     search.active, search.left = mi.Bool(active & (radius < limit)), left
-    search.β, search.r_max, search.within = mi.Spectrum(β), r_max, within
+    search.β, search.r_max, search.within = mi.Spectrum(β), mi.Spectrum(r_max), mi.Spectrum(within)
     return search, start, direction
 
 
@@ -108,7 +108,7 @@ def visit(search: Search, profile: StandardDipole, si: Any, origin: Any, outward
         search.within,
         dr.select(active, search.hits + 1, search.hits),
         total,
-        dr.select(take, part / dr.maximum(worth, 1e-30), search.share),
+        mi.Spectrum(dr.select(take, part / dr.maximum(worth, 1e-30), search.share)),
         dr.select(take, si.p, search.p),
         dr.select(take, mi.Vector3f(si.n), search.n),
         dr.select(take, mi.Vector3f(si.sh_frame.n), search.shading),

@@ -19,7 +19,7 @@ from nephrite.errors import ParameterError
 from nephrite.physics import fresnel
 from nephrite.physics.single import single_scattering_share
 
-WALK, JUMP, LOCAL = 0, 1, 2
+WALK, JUMP, LOCAL, LOW = range(4)
 """What is computed under a surface."""
 
 _PHASES = ("isotropic", "hg")
@@ -103,11 +103,11 @@ class Media:
         self.set_models([WALK] * len(entries))
 
     def set_models(self, models: list[int]) -> None:
-        """Set what is computed under each material's surface: `WALK`, `JUMP` or `LOCAL`."""
+        """Set what is computed under each material's surface: `WALK`, `JUMP`, `LOCAL` or `LOW`."""
         self.models = models
         self._model = mi.UInt32([WALK, *models])
         dr.eval(self._model)
-        self.any_jump, self.any_local = JUMP in models, LOCAL in models
+        self.any_jump, self.any_local, self.any_low = JUMP in models, LOCAL in models, LOW in models
 
     def set_kept(self, factors: list[float]) -> None:
         """Set the factor on each material's jumps; see `conserve`."""
@@ -120,6 +120,10 @@ class Media:
     def local(self, number: Any) -> Any:
         """Whether light leaves where it entered."""
         return dr.gather(mi.UInt32, self._model, number) == LOCAL
+
+    def low(self, number: Any) -> Any:
+        """Whether walks end at their second event."""
+        return dr.gather(mi.UInt32, self._model, number) == LOW
 
     @staticmethod
     def of(scene: Any) -> Media:

@@ -28,14 +28,14 @@ class Parameters:
     `first`, `second`: textures of (sigma_a, sigma_s) or, if `by_color`, of (albedo, radius).
     """
 
-    first: Any
-    second: Any
+    first: Scaled
+    second: Scaled
     by_color: bool
     g: float
     eta: float
     alpha: float
     unit: float
-    emission: Any | None
+    emission: Scaled | None
     name: str
 
 
@@ -73,11 +73,25 @@ def read(props: Any) -> Parameters:
     return Parameters(first, second, source == SOURCES[2], g, int_ior / ext_ior, alpha, unit, emission, name)
 
 
-def color_texture(color: Any) -> Any:
+class Scaled:
+    """A texture times a number: Mitsuba's spectra of colours, in the spectral variants, end at 1."""
+
+    def __init__(self, texture: Any, scale: float = 1.0) -> None:
+        """Hold both."""
+        self.texture, self.scale = texture, scale
+
+    def eval(self, si: Any, active: Any) -> Any:
+        """Evaluate at a surface interaction."""
+        return self.texture.eval(si, active) * self.scale
+
+
+def color_texture(color: Any) -> Scaled:
     """Return a constant, unbounded texture of three numbers."""
+    channels = [float(channel) for channel in color]
+    scale = max(*channels, 1.0) if mi.is_spectral else 1.0
     holder = mi.Properties()
-    holder["value"] = mi.ScalarColor3d(*(float(channel) for channel in color))
-    return holder.get_unbounded_texture("value")
+    holder["value"] = mi.ScalarColor3d(*(channel / scale for channel in channels))
+    return Scaled(holder.get_unbounded_texture("value"), scale)
 
 
 def _texture(props: Any, key: str, where: str, largest: float = math.inf) -> Any:
@@ -85,7 +99,7 @@ def _texture(props: Any, key: str, where: str, largest: float = math.inf) -> Any
     if isinstance(value, bool | str):
         raise ParameterError(f"{where}: {key} is {value!r}: give a number, an rgb colour or a texture.")
     if isinstance(value, mi.Object):
-        return props.get_unbounded_texture(key)
+        return Scaled(props.get_unbounded_texture(key))
     channels = [float(value)] if isinstance(value, int | float) else [float(channel) for channel in value]
     for channel in channels:
         if not (math.isfinite(channel) and 0.0 <= channel <= largest):

@@ -138,6 +138,8 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
         ray.d[scatters] = turned
         weight = β / dr.sum(ratio)
         dead = active & ~_may_go_on(s, order)
+        if dr.hint(media.any_low, mode="scalar"):
+            dead |= scatters & (events > 1) & media.low(within)
 
         # --- Jump: at the second event the dipole takes over, and looks for where the light comes out -----------------
         jumps = mi.Bool(False)
@@ -147,7 +149,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                 profile = StandardDipole(sigma_t - sigma_s, sigma_s * (1 - g), media.lookup(media.boundary, within))
                 albedo = sigma_s / dr.maximum(sigma_t, 1e-30)
                 scale = jump.conditional_scale(profile, albedo, media.lookup(media.single_share, within))
-                β = weight * scale * media.lookup(media.kept, within)
+                β = mi.Spectrum(weight * scale * media.lookup(media.kept, within))
                 ratio = channels.solo(β)
                 search, start, along_chord = jump.begin(profile, entry_p, entry_n, β, longest, sampler, jumps)
                 ray.o, ray.d = start, along_chord
@@ -241,7 +243,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                     mean_cosine = media.lookup(media.g, number)
                     boundary = media.lookup(media.boundary, number)
                     landing_n = outward
-                    landing_weight = StandardDipole(absorbed, scattered * (1 - mean_cosine), boundary).albedo()
+                    landing_weight = mi.Spectrum(StandardDipole(absorbed, scattered * (1 - mean_cosine), boundary).albedo())
                     order += 2
                 landed |= local
                 dead |= local & ~_may_go_on(s, order)

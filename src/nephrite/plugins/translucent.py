@@ -167,10 +167,10 @@ class Translucent(mi.BSDF):
     def traverse(self, callback: Any) -> None:
         """Expose the textures."""
         names = ("albedo", "radius") if self.by_color else ("sigma_a", "sigma_s")
-        callback.put(names[0], self.first, mi.ParamFlags.Differentiable)
-        callback.put(names[1], self.second, mi.ParamFlags.Differentiable)
+        callback.put(names[0], self.first.texture, mi.ParamFlags.Differentiable)
+        callback.put(names[1], self.second.texture, mi.ParamFlags.Differentiable)
         if self.emission is not None:
-            callback.put("emission", self.emission, mi.ParamFlags.Differentiable)
+            callback.put("emission", self.emission.texture, mi.ParamFlags.Differentiable)
 
     def parameters_changed(self, keys: Any) -> None:
         """Nothing is cached."""

@@ -6,7 +6,6 @@ from typing import Any
 
 import drjit as dr
 import mitsuba as mi
-from mitsuba.ad.integrators.common import ADIntegrator
 
 from nephrite.errors import VariantError
 from nephrite.plugins import auto, camera, path, settings
@@ -14,7 +13,7 @@ from nephrite.plugins.conserve import conserve
 from nephrite.plugins.media import Media
 
 
-class TranslucentPath(ADIntegrator):
+class TranslucentPath(mi.SamplingIntegrator):
     r"""
     Path tracer for translucent objects (:monosp:`translucent_path`)
     ----------------------------------------------------------------
@@ -64,7 +63,6 @@ class TranslucentPath(ADIntegrator):
     def __init__(self, props: Any) -> None:
         """Read the parameters (see the class)."""
         self.settings = settings.read(props)
-        props["max_depth"] = -1
         super().__init__(props)
         if mi.is_polarized:
             raise VariantError(f"translucent_path does not track polarisation, as {mi.variant()} does.")
@@ -72,20 +70,12 @@ class TranslucentPath(ADIntegrator):
         self.cut_fraction = 0.0
 
     def sample(
-        self,
-        mode: Any,
-        scene: Any,
-        sampler: Any,
-        ray: Any,
-        active: Any = True,
-        **_: Any,
-    ) -> tuple[Any, Any, list[Any], Any]:
-        """Return radiance, validity, no AOVs and radiance along rays: Mitsuba's contract for integrators."""
-        if mode != dr.ADMode.Primal:
-            raise VariantError("translucent_path computes no derivatives yet: render without them.")
+        self, scene: Any, sampler: Any, ray: Any, medium: Any = None, active: Any = True
+    ) -> tuple[Any, Any, list[Any]]:
+        """Return radiance and validity along rays, and no AOVs: Mitsuba's contract for nested integrators."""
         media = self._survey(scene)
         result = path.trace(self.settings, scene, media, sampler, path.OneRay(ray, active))
-        return result.L, result.valid, [], result.L
+        return result.L, result.valid, []
 
     def render(
         self, scene: Any, sensor: Any = 0, seed: int = 0, spp: int = 0, develop: bool = True, evaluate: bool = True
