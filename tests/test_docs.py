@@ -130,7 +130,7 @@ def test_long_options_exist(page: Path) -> None:
 
 def namespace(tree: ast.Module) -> dict:
     """Do the imports of a block, and nothing else of it."""
-    imports = [node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)]
+    imports: list[ast.stmt] = [node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)]
     known: dict = {}
     exec("import nephrite, mitsuba as mi\nfrom nephrite import materials", known)
     exec(compile(ast.Module(imports, []), "imports", "exec"), known)
