@@ -36,7 +36,7 @@ figures: $(INSTALLED)
 	$(BIN)/nephrite compare dragon --material skimmilk --light benchmark --models 'brdf | dipole | walk' \
 	  --resolution 640x480 -o out/figures/brdf-bssrdf.png
 	$(BIN)/nephrite compare dragon --material skimmilk --light benchmark --terms 'reduced | single | multiple | all' \
-	  --resolution 640x480 -o out/figures/terms.png
+	  --resolution 640x480 -o out/figures/single-multiple.png
 	$(BIN)/nephrite render dragon --material jade --resolution 960x720 --time 90s -o out/figures/jade-dragon.png
 
 test: $(DEVELOPED)

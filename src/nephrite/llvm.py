@@ -6,6 +6,11 @@ import os
 import sys
 from pathlib import Path
 
+from nephrite.errors import MissingDependencyError
+
+OLDEST = 16
+"""First major version of LLVM whose code generator knows all that Dr.Jit 1.5 asks for."""
+
 ENVIRONMENT_VARIABLE = "DRJIT_LIBLLVM_PATH"
 
 
@@ -26,3 +31,16 @@ def prefer_packaged() -> None:
     library = packaged_library()
     if library is not None:
         os.environ.setdefault(ENVIRONMENT_VARIABLE, str(library))
+
+
+def check_loaded(version: tuple[int, ...] | None) -> None:
+    """Raise `MissingDependencyError` if Dr.Jit has loaded an LLVM that would abort the process.
+
+    `version`: as `drjit.detail.llvm_version()` has it, major first; None if no LLVM is loaded.
+    """
+    if version and 0 < version[0] < OLDEST:
+        raise MissingDependencyError(
+            f"Dr.Jit has loaded LLVM {version[0]}, which would abort the process. Import nephrite before mitsuba, so "
+            f"that the LLVM of this environment is used; or set {ENVIRONMENT_VARIABLE} to a libLLVM of version {OLDEST} "
+            "or later; `nephrite doctor` shows which there are."
+        )

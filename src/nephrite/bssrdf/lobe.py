@@ -27,7 +27,7 @@ import numpy as np
 
 from nephrite.physics import fresnel
 
-__all__ = ["ExitLobe", "LINEAR_MEMORY", "QUADRATIC_MEMORY", "exit_lobe"]
+__all__ = ["LINEAR_MEMORY", "QUADRATIC_MEMORY", "ExitLobe", "exit_lobe"]
 
 LINEAR_MEMORY = 60.0
 """Reduced order of scattering over which the linear part of the kernel fades."""

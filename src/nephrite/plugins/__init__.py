@@ -9,6 +9,8 @@ from __future__ import annotations
 import importlib
 import sys
 
+from nephrite import llvm
+
 _PLUGINS = ("translucent", "translucent_path")
 _installed = False
 
@@ -34,6 +36,10 @@ def _on_variant(old: str | None, new: str | None) -> None:
 
         scalar.register()
         return
+    if new.startswith("llvm"):
+        import drjit as dr
+
+        llvm.check_loaded(dr.detail.llvm_version())
     for name in _PLUGINS:
         full = f"{__name__}.{name}"
         module = sys.modules.get(full)

@@ -18,7 +18,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from nephrite.plugins.media import JUMP, LOCAL, LOW, WALK
+from nephrite.plugins.media import JUMP, LOCAL, LOW, WALK, surface_points
 
 CLEAR = 0.03
 """Scattering optical thickness below which a medium counts as clear: its square bounds what is left out."""
@@ -54,8 +54,9 @@ def choose(model: str, media: Any, scene: Any) -> list[Choice]:
         Choice(entry.name, _NAMES[code], reason)
         for entry, (code, reason) in zip(media.entries, chosen, strict=True)
     ]
+    log: Any = mi.Log
     for choice in choices:
-        mi.Log(mi.LogLevel.Info, f"auto: {choice.name}: {choice.model}: {choice.reason}")
+        log(mi.LogLevel.Info, f"auto: {choice.name}: {choice.model}: {choice.reason}")
     return choices
 
 
@@ -78,11 +79,7 @@ def _mean_coefficients(entry: Any) -> tuple[np.ndarray, np.ndarray]:
     """Return sigma_a and sigma_s, per scene unit, per channel, averaged over the first shape."""
     sampler = mi.load_dict({"type": "independent"})
     sampler.seed(0, _POINTS)
-    place = entry.shapes[0].sample_position(0.0, sampler.next_2d())
-    si = dr.zeros(mi.SurfaceInteraction3f, _POINTS)
-    si.p, si.n, si.uv = place.p, place.n, place.uv
-    if mi.is_spectral:
-        si.wavelengths = mi.sample_rgb_spectrum(mi.sample_shifted(sampler.next_1d()))[0]
+    si = surface_points(entry.shapes[0], sampler.next_2d(), sampler.next_1d())
     absorbed, scattered = entry.coefficients(si, mi.Bool(True))
     return _channel_means(absorbed), _channel_means(scattered)
 
@@ -104,5 +101,8 @@ def mean_chord(shape: Any) -> float:
         name = "vertex_positions" if "vertex_positions" in values else "positions"
         vertices = np.array(values[name], dtype=np.float64).reshape(-1, 3)
         corners = vertices[np.array(values["faces"]).reshape(-1, 3)] - vertices.mean(axis=0)
-        volume = abs(float(np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum())) / 6.0
+        volume = (
+            abs(float(np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum()))
+            / 6.0
+        )
     return 4.0 * volume / area

@@ -50,16 +50,18 @@ class Camera:
 
     def ray(self, sampler: Any, active: Any) -> tuple[Any, Any, Any]:
         """Sample a camera ray; return (ray, weight, position on the film)."""
-        corner = mi.Vector2f(self.pixel) - self.border + mi.Vector2f(mi.ScalarVector2f(self.film.crop_offset()))
+        offset = mi.Vector2f(self.film.crop_offset())
+        corner = mi.Vector2f(self.pixel) - self.border + offset
         spot = corner + mi.Vector2f(sampler.next_2d(active))
-        crop = mi.ScalarVector2f(self.film.crop_size())
-        offset = mi.ScalarVector2f(self.film.crop_offset())
+        crop = mi.Vector2f(self.film.crop_size())
         aperture = sampler.next_2d(active) if self.sensor.needs_aperture_sample() else mi.Point2f(0.5)
         time = mi.Float(self.sensor.shutter_open())
         if self.sensor.shutter_open_time() > 0:
             time += sampler.next_1d(active) * self.sensor.shutter_open_time()
         wavelength = sampler.next_1d(active) if mi.is_spectral else mi.Float(0.0)
-        ray, weight = self.sensor.sample_ray(time, wavelength, mi.Point2f((spot - offset) / crop), aperture, active)
+        ray, weight = self.sensor.sample_ray(
+            time, wavelength, mi.Point2f((spot - offset) / crop), aperture, active
+        )
         position = corner if self.film.rfilter().is_box_filter() else spot
         return ray, weight, mi.Point2f(position)
 

@@ -9,11 +9,11 @@ import drjit as dr
 import mitsuba as mi
 
 from nephrite.plugins import jump
-from nephrite.plugins.media import JUMP, Media
+from nephrite.plugins.media import JUMP, Media, surface_points
 from nephrite.profiles import StandardDipole
 
 _POINTS = 512
-_JUMPS = 64  # of each point
+_JUMPS = 8  # of each point, in each of two independent halves
 
 
 def conserve(media: Media, scene: Any) -> None:
@@ -31,26 +31,29 @@ def conserve(media: Media, scene: Any) -> None:
 
 def _mean_return(entry: Any, scene: Any) -> float:
     sampler = mi.load_dict({"type": "independent"})
-    sampler.seed(0, _POINTS * _JUMPS)
+    sampler.seed(0, 2 * _POINTS * _JUMPS)
     areas = [float(dr.max(shape.surface_area())[0]) for shape in entry.shapes]
     total = [0.0] * dr.size_v(mi.Spectrum)
     for shape, area in zip(entry.shapes, areas, strict=True):
-        of_point = dr.arange(mi.UInt32, _POINTS * _JUMPS) // _JUMPS
-        place = shape.sample_position(0.0, dr.gather(mi.Point2f, sampler.next_2d(), of_point * _JUMPS))
-        si = dr.zeros(mi.SurfaceInteraction3f, _POINTS * _JUMPS)
-        si.p, si.n, si.uv = place.p, place.n, place.uv
-        si.sh_frame = mi.Frame3f(place.n)
-        if mi.is_spectral:
-            si.wavelengths = mi.sample_rgb_spectrum(mi.sample_shifted(dr.gather(mi.Float, sampler.next_1d(), of_point * _JUMPS)))[0]
+        of_point = dr.arange(mi.UInt32, 2 * _POINTS * _JUMPS) // (2 * _JUMPS)
+        first = of_point * (2 * _JUMPS)
+        u2, u1 = (
+            dr.gather(mi.Point2f, sampler.next_2d(), first),
+            dr.gather(mi.Float, sampler.next_1d(), first),
+        )
+        si = surface_points(shape, u2, u1)
         sigma_a, sigma_s = entry.coefficients(si, True)
         profile = StandardDipole(sigma_a, sigma_s * (1 - entry.g), entry.boundary)
         share = sigma_s / dr.maximum(sigma_a + sigma_s, 1e-30)
         β = mi.Spectrum(jump.conditional_scale(profile, share, entry.single_share))
         weight = β * _land(scene, sampler, profile, si, shape, β)
         for i, channel in enumerate(weight):
-            local = dr.block_sum(channel, _JUMPS) / _JUMPS
-            total[i] += dr.mean(dr.square(local))[0] * (area / sum(areas))
-    return math.sqrt(max(total))
+            half = dr.block_sum(channel, _JUMPS) / _JUMPS
+            pair = 2 * dr.arange(mi.UInt32, _POINTS)
+            # the product of two independent estimates: their square would count the noise as light
+            square = dr.gather(mi.Float, half, pair) * dr.gather(mi.Float, half, pair + 1)
+            total[i] += dr.mean(square)[0] * (area / sum(areas))
+    return math.sqrt(max(*total, 0.0))
 
 
 @dr.syntax

@@ -91,12 +91,16 @@ def begin(
     return search, start, direction
 
 
-def visit(search: Search, profile: StandardDipole, si: Any, origin: Any, outward: Any, u: Any, active: Any) -> Search:
+def visit(
+    search: Search, profile: StandardDipole, si: Any, origin: Any, outward: Any, u: Any, active: Any
+) -> Search:
     """Count a point that the probe has hit; it is chosen with probability worth / total so far."""
     offset = si.p - origin
     q = search.β / dr.maximum(dr.sum(search.β), 1e-30)
     density = dr.sum(q * probe.density(profile, mi.Frame3f(outward), offset, si.n, search.r_max))
-    part = dr.select(density > 0, profile.eval(dr.norm(offset)) / dr.maximum(search.within * density, 1e-30), 0)
+    part = dr.select(
+        density > 0, profile.eval(dr.norm(offset)) / dr.maximum(search.within * density, 1e-30), 0
+    )
     worth = dr.select(active, dr.sum(search.β * part), 0)
     total = search.total + worth
     take = active & (worth > 0) & (u * total <= worth)

@@ -46,7 +46,8 @@ class Entry:
             return self.bsdf.coefficients(si, active)
         mei = dr.zeros(mi.MediumInteraction3f, dr.width(si.p))
         mei.p, mei.wavelengths = si.p, si.wavelengths
-        sigma_s, _, sigma_t = self.medium.get_scattering_coefficients(mei, active)
+        medium: Any = self.medium
+        sigma_s, _, sigma_t = medium.get_scattering_coefficients(mei, active)
         return dr.maximum(sigma_t - sigma_s, 0.0), sigma_s
 
     def emitted(self, si: Any, active: Any) -> Any:
@@ -131,11 +132,12 @@ class Media:
         found: dict[int, Entry] = {}
         for shape in scene.shapes():
             _survey(shape, found)
+        _refuse_fog(scene)
         return Media(list(found.values()))
 
     def number(self, shape: Any) -> Any:
         """Number of the material of a `ShapePtr` array, 0 where light can't enter."""
-        index = dr.reinterpret_array(mi.UInt32, shape)
+        index: Any = dr.reinterpret_array(mi.UInt32, shape)
         known = index < self._size
         return dr.gather(mi.UInt32, self._of_shape, dr.select(known, index, 0), known)
 
@@ -184,6 +186,17 @@ class Media:
         return value, pdf
 
 
+def surface_points(shape: Any, u2: Any, u1: Any) -> Any:
+    """Return interactions at points that are uniform over a shape's area, seen at sampled wavelengths."""
+    place = shape.sample_position(0.0, u2)
+    si: Any = dr.zeros(mi.SurfaceInteraction3f, dr.width(u1))
+    si.p, si.n, si.uv, si.sh_frame = place.p, place.n, place.uv, mi.Frame3f(place.n)
+    if mi.is_spectral:
+        shifted: Any = mi.sample_shifted(u1)
+        si.wavelengths = mi.sample_rgb_spectrum(shifted)[0]
+    return si
+
+
 def _column(values: list[float], first: float) -> Any:
     column = mi.Float([first, *values])
     dr.eval(column)
@@ -191,7 +204,8 @@ def _column(values: list[float], first: float) -> Any:
 
 
 def _identity(shape: Any) -> int:
-    return int(dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))[0])
+    index: Any = dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))
+    return int(index[0])
 
 
 def _survey(shape: Any, found: dict[int, Entry]) -> None:
@@ -206,6 +220,20 @@ def _survey(shape: Any, found: dict[int, Entry]) -> None:
     else:
         return
     entry.shapes.append(shape)
+
+
+def _refuse_fog(scene: Any) -> None:
+    """Raise `ParameterError` for a medium around the objects: one that is the inside of no shape."""
+    interiors = [shape.interior_medium() for shape in scene.shapes()]
+    for shape in scene.shapes():
+        name, medium = shape.id() or "a shape", shape.exterior_medium()
+        if medium is not None and not any(
+            medium == interior for interior in interiors if interior is not None
+        ):
+            raise ParameterError(
+                f"{name} lies in a medium that fills the space around objects: translucent_path renders media inside "
+                "shapes only; use volpathmis for this scene."
+            )
 
 
 def _standard(shape: Any, bsdf: Any, medium: Any, found: dict[int, Entry]) -> Entry:

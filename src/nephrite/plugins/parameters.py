@@ -17,7 +17,7 @@ from nephrite import materials
 from nephrite.errors import ParameterError
 from nephrite.physics.phase import check_g
 
-SOURCES = (("material",), ("sigma_a", "sigma_s"), ("albedo", "radius"))
+SOURCES: tuple[tuple[str, ...], ...] = (("material",), ("sigma_a", "sigma_s"), ("albedo", "radius"))
 NAMED_INDICES = {"vacuum": 1.0, "air": 1.000277, "water": 1.333, "bk7": 1.5046, "diamond": 2.419}
 
 

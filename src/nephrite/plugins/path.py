@@ -50,22 +50,23 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
     longest = dr.norm(scene.bbox().extents()) if scene.bbox().valid() else 1.0
     context = mi.BSDFContext()
 
+    # fmt: off
     # --- The path ---------------------------------------------------------------------------------------------------
-    ray = mi.Ray3f(source.first)                # Next segment
-    active = mi.Bool(source.active)             # Lanes with work left
-    fresh = mi.Bool(repeats)                    # Lanes that are to start a path
-    paths = mi.UInt32(0)                        # Paths started
-    position = mi.Point2f(0)                    # Where this path goes on the film
-    L = mi.Spectrum(0)                          # Radiance found by this path
-    valid = mi.Bool(False)                      # Has it hit anything?
-    depth = mi.UInt32(0)                        # Bounces
-    order = mi.UInt32(0)                        # Events in media, on the whole path
-    β = mi.Spectrum(1)                          # Throughput of the leading channel's density
-    ratio = channels.solo(β)                    # Densities of the channels, relative to the leader's
-    channel = mi.UInt32(0)                      # The leader
-    last_p = mi.Point3f(0)                      # Last vertex that lights were connected to,
-    last_pdf = mi.Float(0)                      # density of the direction chosen there,
-    last_delta = mi.Bool(True)                  # and whether lights can be found by that direction alone
+    ray = mi.Ray3f(source.first)                        # Next segment
+    active = mi.Bool(source.active)                     # Lanes with work left
+    fresh = mi.Bool(repeats)                            # Lanes that are to start a path
+    paths = mi.UInt32(0)                                # Paths started
+    position = mi.Point2f(0)                            # Where this path goes on the film
+    L = mi.Spectrum(0)                                  # Radiance found by this path
+    valid = mi.Bool(False)                              # Has it hit anything?
+    depth = mi.UInt32(0)                                # Bounces
+    order = mi.UInt32(0)                                # Events in media, on the whole path
+    β = mi.Spectrum(1)                                  # Throughput of the leading channel's density
+    ratio = channels.solo(β)                            # Densities of the channels, relative to the leader's
+    channel = mi.UInt32(0)                              # The leader
+    last_p = mi.Point3f(0)                              # Last vertex that lights were connected to,
+    last_pdf = mi.Float(0)                              # density of the direction chosen there,
+    last_delta = mi.Bool(True)                          # and whether lights are found by that direction alone
 
     # --- The walk ---------------------------------------------------------------------------------------------------
     within, within_shape = mi.UInt32(0), mi.UInt32(0)   # Material and shape that the path is in; 0: none
@@ -76,11 +77,13 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
     events = mi.UInt32(0)                               # Events since entry
     steps = mi.UInt32(0)                                # Rays since entry
     entered = mi.Float(0)                               # Light at entry
-    entry_p, entry_n = mi.Point3f(0), mi.Vector3f(0, 0, 1)
-    entry_side = mi.Float(1)
+    entry_p = mi.Point3f(0)                             # Where the path has entered,
+    entry_n = mi.Vector3f(0, 0, 1)                      # the outward normal there,
+    entry_side = mi.Float(1)                            # and whether the shape's normals point outward (1) or in (-1)
     reach = mi.Float(0)                                 # Length of the shape's bounding box
-    cut, started = mi.Float(0), mi.Float(0)
+    cut, started = mi.Float(0), mi.Float(0)             # Light in walks that were cut short, and in all
     search = jump.idle() if media.any_jump else None    # The dipole's probe
+    # fmt: on
 
     while dr.hint(active, label="translucent_path"):
         # --- Start the next path of a lane --------------------------------------------------------------------------
@@ -133,7 +136,6 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
         order[scatters] += 1
         u = sampler.next_2d(active)
         turned = mi.Frame3f(ray.d).to_world(mi.Vector3f(*phase.sample(u.x, u.y, g)))
-        segment = mi.Vector3f(ray.d)
         ray.o[scatters] = ray(distance)
         ray.d[scatters] = turned
         weight = β / dr.sum(ratio)
@@ -146,7 +148,9 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
         if dr.hint(media.any_jump, mode="scalar"):
             jumps = scatters & (events == 2) & media.jumps(within) & ~dead
             if jumps:
-                profile = StandardDipole(sigma_t - sigma_s, sigma_s * (1 - g), media.lookup(media.boundary, within))
+                profile = StandardDipole(
+                    sigma_t - sigma_s, sigma_s * (1 - g), media.lookup(media.boundary, within)
+                )
                 albedo = sigma_s / dr.maximum(sigma_t, 1e-30)
                 scale = jump.conditional_scale(profile, albedo, media.lookup(media.single_share, within))
                 β = mi.Spectrum(weight * scale * media.lookup(media.kept, within))
@@ -155,7 +159,10 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                 ray.o, ray.d = start, along_chord
                 dead |= ~search.active
 
-        within, within_shape = dr.select(escapes, outer, within), dr.select(escapes, outer_shape, within_shape)
+        within, within_shape = (
+            dr.select(escapes, outer, within),
+            dr.select(escapes, outer_shape, within_shape),
+        )
         outer, outer_shape = dr.select(escapes, 0, outer), dr.select(escapes, 0, outer_shape)
         stays = scatters | escapes | dead
         reaches = active & ~stays & ~searching
@@ -172,7 +179,9 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                     profile = StandardDipole(
                         sigma_t - sigma_s, sigma_s * (1 - g), media.lookup(media.boundary, within)
                     )
-                    search = jump.visit(search, profile, si, entry_p, entry_n, sampler.next_1d(counts), counts)
+                    search = jump.visit(
+                        search, profile, si, entry_p, entry_n, sampler.next_1d(counts), counts
+                    )
                     ray.o = jump.advance(search, si, ray, searching)
                     search.active &= si.is_valid()
                     landed = searching & ~search.active & (search.total > 0)
@@ -243,7 +252,9 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                     mean_cosine = media.lookup(media.g, number)
                     boundary = media.lookup(media.boundary, number)
                     landing_n = outward
-                    landing_weight = mi.Spectrum(StandardDipole(absorbed, scattered * (1 - mean_cosine), boundary).albedo())
+                    landing_weight = mi.Spectrum(
+                        StandardDipole(absorbed, scattered * (1 - mean_cosine), boundary).albedo()
+                    )
                     order += 2
                 landed |= local
                 dead |= local & ~_may_go_on(s, order)
@@ -272,7 +283,9 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             lobe_pdf = lobe.pdf(cos_out, mi.fresnel(dr.maximum(cos_out, 0), eta_exit)[0], normalization)
 
             # Connect to a light
-            connects = ((opaque & ~inside) | ((rough | by_lobe) & (to_medium == 0))) & ~dead & _wanted(s, order)
+            connects = (
+                ((opaque & ~inside) | ((rough | by_lobe) & (to_medium == 0))) & ~dead & _wanted(s, order)
+            )
             bsdf = si.bsdf()
             if connects:
                 ds, light = scene.sample_emitter_direction(at, sampler.next_2d(connects), True, connects)
@@ -285,7 +298,9 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                         value, pdf = media.eval_surface(number, si, local_d, rough & (local_d.z > 0))
                 if by_lobe:
                     cos_light = dr.dot(ds.d, normal)
-                    pdf = lobe.pdf(cos_light, mi.fresnel(dr.maximum(cos_light, 0), eta_exit)[0], normalization)
+                    pdf = lobe.pdf(
+                        cos_light, mi.fresnel(dr.maximum(cos_light, 0), eta_exit)[0], normalization
+                    )
                     linear, quadratic = lobe.memory(mi.Float(events), g)
                     seen = lobe.kernel(
                         direction, ds.d, normal, media.lookup(media.m2, from_number),
@@ -297,7 +312,9 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
 
             # Choose the next direction on everything that light can't enter
             if opaque:
-                bs, bs_weight = bsdf.sample(context, si, sampler.next_1d(opaque), sampler.next_2d(opaque), opaque)
+                bs, bs_weight = bsdf.sample(
+                    context, si, sampler.next_1d(opaque), sampler.next_2d(opaque), opaque
+                )
                 β *= bs_weight
                 direction = si.to_world(bs.wo)
                 last_pdf = bs.pdf

@@ -61,6 +61,8 @@ def _terms(text: str) -> tuple[str, ...]:
     for part in parts:
         if part not in TERMS:
             raise unknown_name("term", part, ("all", *TERMS))
+    if len(set(parts)) < len(parts):
+        raise ParameterError(f"terms is {text!r}: write each term once, like reduced+single.")
     return parts
 
 

@@ -71,7 +71,9 @@ class Translucent(mi.BSDF):
                 {"type": "roughdielectric", "distribution": "ggx", "alpha": max(self.alpha, 1e-3),
                  "int_ior": self.eta, "ext_ior": 1.0}
             )  # fmt: skip
-        specular = mi.BSDFFlags.GlossyReflection if self.interface is not None else mi.BSDFFlags.DeltaReflection
+        specular = (
+            mi.BSDFFlags.GlossyReflection if self.interface is not None else mi.BSDFFlags.DeltaReflection
+        )
         side = mi.BSDFFlags.FrontSide
         self.m_components = [specular | side, mi.BSDFFlags.DiffuseReflection | side]
         self.m_flags = self.m_components[0] | self.m_components[1]
@@ -103,7 +105,8 @@ class Translucent(mi.BSDF):
         return value, pdf / dr.maximum(self._reflected(mi.Frame3f.cos_theta(si.wi)), 1e-3)
 
     def _reflected(self, cos_theta: Any) -> Any:
-        return mi.fresnel(cos_theta, self.eta)[0]
+        exact: Any = mi.fresnel
+        return exact(cos_theta, self.eta)[0]
 
     def eval_pdf(self, ctx: Any, si: Any, wo: Any, active: Any = True) -> tuple[Any, Any]:
         """Value times cosine, and density of `sample`, per solid angle."""
@@ -143,7 +146,7 @@ class Translucent(mi.BSDF):
         reflected = self._reflected(cos_i)
         share = reflected if diffuse_on and specular_on else mi.Float(1.0 if specular_on else 0.0)
         mirror = active & (sample1 < share)
-        bs = dr.zeros(mi.BSDFSample3f)
+        bs: Any = dr.zeros(mi.BSDFSample3f)
         bs.eta = 1.0
         bs.wo = mi.warp.square_to_cosine_hemisphere(sample2)
         if self.interface is not None:
@@ -186,5 +189,3 @@ class Translucent(mi.BSDF):
 def register() -> None:
     """Register the plugin in the present variant."""
     mi.register_bsdf("translucent", Translucent)
-
-

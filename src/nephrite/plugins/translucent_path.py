@@ -109,7 +109,8 @@ class TranslucentPath(mi.SamplingIntegrator):
         lost, total = dr.sum(result.cut), dr.sum(result.started)
         self.cut_fraction = float(lost[0] / total[0]) if total[0] > 0 else 0.0
         if self.cut_fraction > 1e-4:
-            mi.Log(
+            log: Any = mi.Log
+            log(
                 mi.LogLevel.Warn,
                 f"max_steps = {self.settings.max_steps} cut {100 * self.cut_fraction:.2g} % of the walks' light",
             )

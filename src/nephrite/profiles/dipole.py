@@ -29,10 +29,10 @@ class StandardDipole:
         """Derive the depths of the poles (Jensen et al. 2001, section 2.3)."""
         xp = namespace(sigma_a, sigma_s_prime, boundary)
         sigma_t_prime = xp.maximum(sigma_a + sigma_s_prime, 1e-20)
-        self.albedo_prime = sigma_s_prime / sigma_t_prime
-        self.sigma_tr = xp.sqrt(3.0 * sigma_a) * xp.sqrt(sigma_t_prime)
-        self.z_real = 1.0 / sigma_t_prime
-        self.z_virtual = self.z_real * (1.0 + (4.0 / 3.0) * boundary)
+        self.albedo_prime = plain(sigma_s_prime / sigma_t_prime)
+        self.sigma_tr = plain(xp.sqrt(3.0 * sigma_a) * xp.sqrt(sigma_t_prime))
+        self.z_real = plain(1.0 / sigma_t_prime)
+        self.z_virtual = plain(self.z_real * (1.0 + (4.0 / 3.0) * boundary))
 
     def _term(self, r: Any, z: Any) -> Any:
         xp = namespace(r, z)
@@ -48,7 +48,7 @@ class StandardDipole:
 
     def _shares(self) -> tuple[Any, Any]:
         xp = namespace(self.sigma_tr)
-        return xp.exp(-self.sigma_tr * self.z_real), xp.exp(-self.sigma_tr * self.z_virtual)
+        return plain(xp.exp(-self.sigma_tr * self.z_real)), plain(xp.exp(-self.sigma_tr * self.z_virtual))
 
     def albedo(self) -> Any:
         """Total diffuse reflectance `(albedo'/2) (1 + e^(-(4/3) A s)) e^(-s)`, s = sqrt(3 (1 - albedo'))."""
