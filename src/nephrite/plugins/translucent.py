@@ -101,8 +101,12 @@ class Translucent(mi.BSDF):
         """Return value and density of the rough surface's reflection; nothing for a smooth one."""
         if self.interface is None:
             return mi.Spectrum(0.0), mi.Float(0.0)
-        value, pdf = self.interface.eval_pdf(mi.BSDFContext(), si, wo, active)
-        return value, pdf / dr.maximum(self._reflected(mi.Frame3f.cos_theta(si.wi)), 1e-3)
+        return self.interface.eval_pdf(self._only_reflection(mi.TransportMode.Radiance), si, wo, active)
+
+    @staticmethod
+    def _only_reflection(mode: Any) -> Any:
+        """Context in which the interface reflects for certain: its density is without the Fresnel term."""
+        return mi.BSDFContext(mode, 0xFFFFFFFF, 0)
 
     def _reflected(self, cos_theta: Any) -> Any:
         exact: Any = mi.fresnel
@@ -151,8 +155,7 @@ class Translucent(mi.BSDF):
         bs.wo = mi.warp.square_to_cosine_hemisphere(sample2)
         if self.interface is not None:
             reused = sample1 / dr.maximum(share, 1e-6)
-            only_reflection = mi.BSDFContext(ctx.mode, 0xFFFFFFFF, 0)
-            glossy = self.interface.sample(only_reflection, si, reused, sample2, mirror)[0]
+            glossy = self.interface.sample(self._only_reflection(ctx.mode), si, reused, sample2, mirror)[0]
             bs.wo = dr.select(mirror, glossy.wo, bs.wo)
         else:
             bs.wo = dr.select(mirror, mi.reflect(si.wi), bs.wo)
