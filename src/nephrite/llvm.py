@@ -40,7 +40,7 @@ def check_loaded(version: tuple[int, ...] | None) -> None:
     """
     if version and 0 < version[0] < OLDEST:
         raise MissingDependencyError(
-            f"Dr.Jit has loaded LLVM {version[0]}, which would abort the process. Import nephrite before mitsuba, so "
-            f"that the LLVM of this environment is used; or set {ENVIRONMENT_VARIABLE} to a libLLVM of version {OLDEST} "
-            "or later; `nephrite doctor` shows which there are."
+            f"Dr.Jit has loaded LLVM {version[0]}, which would abort the process. Import nephrite before mitsuba, to "
+            f"use the LLVM of this environment; or set {ENVIRONMENT_VARIABLE} to a libLLVM of version {OLDEST} or "
+            "later; `nephrite doctor` shows which there are."
         )
