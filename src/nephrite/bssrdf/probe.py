@@ -18,12 +18,10 @@ __all__ = ["AXES", "axis", "chord", "density", "truncation_radius"]
 AXES = (0.6, 0.2, 0.2)
 """Probability of the normal and of the two tangents."""
 
-_KEPT = 0.99
-
 
 def truncation_radius(profile: Any, longest: Any) -> Any:
-    """Radius r_max within which all but a hundredth of the profile's light leaves, `longest` at the most."""
-    return dr.minimum(profile.sample(_KEPT, 1.0), longest)
+    """Radius r_max beyond which the profile is not searched: its reach, `longest` at the most."""
+    return dr.minimum(profile.reach(), longest)
 
 
 def axis(frame: Any, u: Any) -> tuple[Any, Any, Any]:

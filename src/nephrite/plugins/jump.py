@@ -81,7 +81,7 @@ def begin(
     r_max = probe.truncation_radius(profile, longest)
     within = profile.cdf(r_max)
     u, v = sampler.next_2d(active), sampler.next_1d(active)
-    radius = pick(profile.sample(u.x * within, v), channel)
+    radius = profile.map(lambda value: pick(value, channel)).sample(u.x * pick(within, channel), v)
     limit = pick(r_max, channel)
     axes = probe.axis(mi.Frame3f(outward), sampler.next_1d(active))
     start, direction, left = probe.chord(origin, axes, radius, limit, u.y)

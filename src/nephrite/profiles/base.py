@@ -7,6 +7,7 @@ A profile R(r) is the light that leaves a flat half-space at the distance r from
 - `albedo()`    the integral of 2 pi r R(r) over all r: what leaves in all, in [0, 1] where the model keeps energy;
 - `cdf(r)`      the part of `albedo()` that leaves within r, divided by it: in [0, 1], exact;
 - `sample(u)`   the r with `cdf(r) = u` in distribution: follows `pdf`;
+- `reach()`   a length within which nearly all leaves;
 - `pdf(r)`      density of `sample` per *length* (1/mm): `2 pi r R(r) / albedo()`.
 
 Parameters and arguments are floats, NumPy or Dr.Jit arrays that broadcast against each other; lengths are in the
@@ -37,6 +38,10 @@ class RadialProfile(Protocol):
 
     def sample(self, u: Any, v: Any) -> Any:
         """Radius for two uniform numbers."""
+        ...
+
+    def reach(self) -> Any:
+        """Length within which nearly all of the albedo leaves, cheap to compute: bounds searches."""
         ...
 
     def pdf(self, r: Any) -> Any:

@@ -34,6 +34,17 @@ class StandardDipole:
         self.z_real = plain(1.0 / sigma_t_prime)
         self.z_virtual = plain(self.z_real * (1.0 + (4.0 / 3.0) * boundary))
 
+    def map(self, function: Any) -> StandardDipole:
+        """Return the profile whose parameters are `function` of these: one channel of three, say."""
+        other = object.__new__(StandardDipole)
+        for name, value in vars(self).items():
+            setattr(other, name, function(value))
+        return other
+
+    def reach(self) -> Any:
+        """Length within which nearly all leaves: where the slower of the two poles' terms has fallen to 1 or 2 %."""
+        return 1.0 / (0.02 / self.z_virtual + 0.25 * self.sigma_tr)
+
     def _term(self, r: Any, z: Any) -> Any:
         xp = namespace(r, z)
         d = xp.sqrt(r * r + z * z)
