@@ -331,10 +331,11 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                 depth[bounced] += 1
                 β = dr.select(landed, β, β / dr.sum(ratio))
                 ratio = channels.solo(β)
+                around_shape = dr.select(to_medium != 0, outer_shape, 0)
                 outer = dr.select(bounced, 0, within)
                 outer_shape = dr.select(bounced, 0, within_shape)
                 within = dr.select(bounced, to_medium, number)
-                within_shape = dr.select(bounced, dr.select(to_medium != 0, outer_shape, 0), identity)
+                within_shape = dr.select(bounced, around_shape, identity)
                 if within != 0:
                     absorbed, sigma_s = media.coefficients(within, si, enters | exits)
                     sigma_t = absorbed + sigma_s
