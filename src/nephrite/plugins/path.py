@@ -331,17 +331,18 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                 depth[bounced] += 1
                 β = dr.select(landed, β, β / dr.sum(ratio))
                 ratio = channels.solo(β)
-                around_shape = dr.select(to_medium != 0, outer_shape, 0)
-                outer = dr.select(bounced, 0, within)
-                outer_shape = dr.select(bounced, 0, within_shape)
+                back = landed & ~searching  # the local model never left the medium that it is in
+                around_shape = dr.select(to_medium != 0, dr.select(back, within_shape, outer_shape), 0)
+                outer = dr.select(back, outer, dr.select(bounced, 0, within))
+                outer_shape = dr.select(back, outer_shape, dr.select(bounced, 0, within_shape))
                 within = dr.select(bounced, to_medium, number)
                 within_shape = dr.select(bounced, around_shape, identity)
                 if within != 0:
-                    absorbed, sigma_s = media.coefficients(within, si, enters | exits)
+                    absorbed, sigma_s = media.coefficients(within, si, enters | bounced)
                     sigma_t = absorbed + sigma_s
                     g = media.lookup(media.g, within)
                     if dr.hint(media.any_emission, mode="scalar"):
-                        emitted = media.emitted(within, si, enters | exits)
+                        emitted = media.emitted(within, si, enters | bounced)
                     entered = dr.max(β)
                     started += entered
                     channel, β, ratio = channels.lead(β, sampler.next_1d())
