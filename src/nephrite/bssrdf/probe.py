@@ -1,8 +1,8 @@
 """Probe rays: find the surface around a point, with a density that can be evaluated afterwards.
 
 A radius is drawn from the profile of one colour channel and projected onto the surface along one of three axes: the
-normal, more often, or one of two tangents. Every hit on the object counts that lies on the chord of the sphere of
-radius `r_max`. The density of a point, per area, is that of the balance heuristic over axes and channels (King et al.
+normal, more often, or one of two tangents. Every hit on the object counts that lies on the chord of a
+sphere (`half_chord`). The density of a point, per area, is that of the balance heuristic over axes and channels (King et al.
 2013; Pharr et al. 2016, section 15.4).
 """
 
@@ -13,7 +13,7 @@ from typing import Any
 
 import drjit as dr
 
-__all__ = ["AXES", "axis", "chord", "density", "truncation_radius"]
+__all__ = ["AXES", "axis", "chord", "density", "half_chord", "truncation_radius"]
 
 AXES = (0.6, 0.2, 0.2)
 """Probability of the normal and of the two tangents."""
@@ -34,11 +34,19 @@ def axis(frame: Any, u: Any) -> tuple[Any, Any, Any]:
     return along, across, other
 
 
-def chord(p: Any, axes: tuple[Any, Any, Any], r: Any, r_max: Any, u: Any) -> tuple[Any, Any, Any]:
+def half_chord(r: Any, r_max: Any, z: Any) -> Any:
+    """Height above and below the tangent plane, at the radius `r`, within which points are looked for.
+
+    Half the chord of the sphere of radius `r_max`, but `3 r + 2 z` at the most, with `z` the depth of the profile's
+    deeper pole: long rays are slow, and what is much farther off along one axis is nearer to another one's plane.
+    """
+    return dr.minimum(dr.sqrt(dr.maximum(r_max * r_max - r * r, 0.0)), 3.0 * r + 2.0 * z)
+
+
+def chord(p: Any, axes: tuple[Any, Any, Any], r: Any, half: Any, u: Any) -> tuple[Any, Any, Any]:
     """Return (origin, direction, length) of the probe ray at the radius `r` around `p`, at the angle 2 pi u."""
     along, across, other = axes
     sine, cosine = dr.sincos(2.0 * math.pi * u)
-    half = dr.sqrt(dr.maximum(r_max * r_max - r * r, 0.0))
     origin = p + r * (across * cosine + other * sine) + half * along
     return origin, -along, 2.0 * half
 
@@ -56,5 +64,7 @@ def density(profile: Any, frame: Any, offset: Any, normal: Any, r_max: Any) -> A
         height = dr.dot(offset, along)
         r = dr.sqrt(dr.maximum(distance2 - height * height, 1e-20))
         flat = profile.pdf(r) / (2.0 * math.pi * r * within)
-        total += probability * dr.abs(dr.dot(normal, along)) * dr.select(distance2 < r_max * r_max, flat, 0.0)
+        total += probability * dr.abs(dr.dot(normal, along)) * dr.select(
+            dr.abs(height) <= half_chord(r, r_max, profile.z_virtual), flat, 0.0
+        )
     return total
