@@ -39,6 +39,7 @@ class Entry:
     bsdf: Any | None = None
     medium: Any | None = None
     shapes: list[Any] = field(default_factory=list)
+    least_reach: float = 0.0
 
     def coefficients(self, si: Any, active: Any) -> tuple[Any, Any]:
         """Return sigma_a and sigma_s per scene unit."""
@@ -66,7 +67,7 @@ class Entry:
 
     def reach(self) -> float:
         """Longest diagonal of the bounding boxes of its shapes."""
-        return max(float(dr.norm(shape.bbox().extents())) for shape in self.shapes)
+        return max(self.least_reach, *(float(dr.norm(shape.bbox().extents())) for shape in self.shapes))
 
     @property
     def emits(self) -> bool:
@@ -132,6 +133,13 @@ class Media:
         found: dict[int, Entry] = {}
         for shape in scene.shapes():
             _survey(shape, found)
+        grouped = _grouped(scene)
+        for shape in grouped:
+            _survey(shape, found)
+        if grouped:  # instances may be of any size
+            longest = float(dr.norm(scene.bbox().extents()))
+            for entry in found.values():
+                entry.least_reach = longest
         _refuse_fog(scene)
         return Media(list(found.values()))
 
@@ -206,6 +214,24 @@ def _column(values: list[float], first: float) -> Any:
 def _identity(shape: Any) -> int:
     index: Any = dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))
     return int(index[0])
+
+
+def _grouped(scene: Any) -> list[Any]:
+    """Return the shapes in the scene's shape groups, which are rendered by instances."""
+    groups = [child for child in _children(scene) if child.class_name().lower().startswith("shapegroup")]
+    return [shape for group in groups for shape in _children(group) if isinstance(shape, mi.Shape)]
+
+
+def _children(parent: Any) -> list[Any]:
+    found: list[Any] = []
+
+    class Collect(mi.TraversalCallback):
+        def put(self, name: Any, value: Any, *_: Any) -> None:
+            if isinstance(value, mi.Object):
+                found.append(value)
+
+    parent.traverse(Collect())
+    return found
 
 
 def _survey(shape: Any, found: dict[int, Entry]) -> None:
