@@ -1,0 +1,89 @@
+"""What ends up on the film: AOVs, filters, crops, alpha, hidden emitters, sample counts, seeds."""
+
+import mitsuba as mi
+import numpy as np
+import pytest
+
+from support import measure, scenes
+
+
+def _scene(**film):
+    scene = scenes.camera(16, **film)
+    scene["object"] = scenes.placed("sphere") | scenes.translucent((0.02, 0.05, 0.1), 0.6)
+    scene["light"] = scenes.light((0.6, 0.5, 0.6), 24.0, 6.0)
+    return scene
+
+
+def test_a_gaussian_filter_keeps_the_mean():
+    box, gaussian = (
+        measure.picture(_scene(rfilter=name), scenes.ours(), 1024) for name in ("box", "gaussian")
+    )
+    assert gaussian[4:12, 4:12].mean() == pytest.approx(box[4:12, 4:12].mean(), rel=0.02)
+
+
+def test_a_crop_window_is_a_part_of_the_picture():
+    whole = measure.passes(_scene(), scenes.ours(), 128, 10, 100)
+    crop = {"crop_offset_x": 4, "crop_offset_y": 8, "crop_width": 8, "crop_height": 4}
+    part = measure.passes(_scene(**crop), scenes.ours(), 128, 10, 900)
+    assert part.mean.shape == (4, 8, 3)
+    measure.assert_same(part, measure.Passes(whole.pictures[:, 8:12, 4:12]))
+
+
+def test_alpha_is_where_something_is():
+    picture = measure.picture(_scene(pixel_format="rgba"), scenes.ours(), 64)
+    assert picture.shape == (16, 16, 4)
+    assert picture[8, 8, 3] == pytest.approx(1)
+    assert picture[0, 0, 3] == pytest.approx(0)
+
+
+@pytest.mark.parametrize("model", ["walk", "dipole", "brdf"])
+def test_alpha_is_the_coverage_of_the_object(model):
+    picture = measure.picture(_scene(pixel_format="rgba"), scenes.ours(model=model), 256)
+    depth = measure.picture(_scene(pixel_format="rgba"), {"type": "path", "max_depth": 2}, 256)
+    np.testing.assert_allclose(picture[..., 3], depth[..., 3], atol=0.15)
+
+
+def test_aovs_come_with_the_picture():
+    integrator = {"type": "aov", "aovs": "d:depth,n:sh_normal", "own": scenes.ours()}
+    plain = measure.passes(_scene(), scenes.ours(), 128, 8, 100)
+    both = measure.passes(_scene(), integrator, 128, 8, 900)
+    assert both.pictures.shape[3] == 3 + 1 + 3
+    assert both.mean[8, 8, 3] == pytest.approx(45.0, abs=1.0)
+    measure.assert_same(measure.Passes(both.pictures[..., :3]), plain)
+
+
+def test_hidden_emitters_are_hidden_and_shine():
+    scene = _scene()
+    scene["light"] = scenes.light((0.0, 0.0, -1.0), 40.0, 1.0)
+    seen, hidden = (measure.picture(scene, scenes.ours(hide_emitters=hide), 64) for hide in (False, True))
+    assert seen[0, 0].mean() > 0.5
+    assert hidden[0, 0].mean() == 0
+    assert hidden[8, 8].mean() > 0
+
+
+def test_a_seed_is_a_picture_and_another_seed_another():
+    scene, method = mi.load_dict(_scene()), scenes.ours()
+    a, b, c = (measure.picture(scene, method, 16, seed) for seed in (1, 1, 2))
+    np.testing.assert_array_equal(a, b)
+    assert np.abs(a - c).max() > 0
+
+
+@pytest.mark.parametrize("spp", [1, 3, 63, 65, 130])
+def test_every_sample_count_has_that_many(spp):
+    """A pixel of a constant environment is exact with any number of paths a lane."""
+    scene = scenes.camera(4)
+    scene["environment"] = scenes.environment((0.2, 0.5, 0.8))
+    picture = measure.picture(scene, scenes.ours(), spp)
+    np.testing.assert_allclose(picture, np.broadcast_to([0.2, 0.5, 0.8], picture.shape), rtol=1e-4)
+
+
+def test_the_sensors_sample_count_holds_without_another():
+    scene = scenes.camera(4)
+    scene["sensor"]["sampler"] = {"type": "multijitter", "sample_count": 4}
+    scene["environment"] = scenes.environment(1.0)
+    picture = np.array(mi.render(mi.load_dict(scene), integrator=mi.load_dict(scenes.ours())))
+    np.testing.assert_allclose(picture, 1.0, rtol=1e-4)
+
+
+def test_a_scene_without_anything_is_black():
+    assert not measure.picture(scenes.camera(4), scenes.ours(), 4).any()
