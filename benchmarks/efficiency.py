@@ -41,7 +41,9 @@ def scene() -> Any:
         "phase": {"type": "isotropic"},
     }
     surface = {"type": "dielectric", "int_ior": medium.eta, "ext_ior": 1.0}
-    described = build.scene_dict(named.find("dragon"), surface, 100.0, light="benchmark", resolution=(400, 300))
+    described = build.scene_dict(
+        named.find("dragon"), surface, 100.0, light="benchmark", resolution=(400, 300)
+    )
     described["object"]["interior"] = interior
     return mi.load_dict(described, optimize=False)
 
@@ -72,7 +74,9 @@ def measure(b1: Any, method: dict[str, Any], spp: int, repeat: int) -> dict[str,
 
 def main() -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--spp", type=int, default=32)
     parser.add_argument("--repeat", type=int, default=3)
     given = parser.parse_args()
@@ -80,8 +84,12 @@ def main() -> None:
     b1 = scene()
     rows = {name: measure(b1, method, given.spp, given.repeat) for name, method in METHODS.items()}
     first, walk = rows["volpathmis"], rows["walk, lobe exit"]
-    print(f"Nephrite {nephrite.__version__}, {mi.variant()}, scene B1, {given.spp} spp, best of {given.repeat}")
-    print("| method | mean | efficiency | / volpathmis | Msamples/s | / walk |\n| --- | --- | --- | --- | --- | --- |")
+    print(
+        f"Nephrite {nephrite.__version__}, {mi.variant()}, scene B1, {given.spp} spp, best of {given.repeat}"
+    )
+    print(
+        "| method | mean | efficiency | / volpathmis | Msamples/s | / walk |\n| --- | --- | --- | --- | --- | --- |"
+    )
     for name, row in rows.items():
         print(
             f"| {name} | {row['mean']:.4f} | {row['efficiency']:.4f} | {row['efficiency'] / first['efficiency']:.1f} | "

@@ -1,8 +1,8 @@
 """Probe rays: find the surface around a point, with a density that can be evaluated afterwards.
 
 A radius is drawn from the profile of one colour channel and projected onto the surface along one of three axes: the
-normal, more often, or one of two tangents. Every hit on the object counts that lies on the chord of a
-sphere (`half_chord`). The density of a point, per area, is that of the balance heuristic over axes and channels (King et al.
+normal, more often, or one of two tangents. Every hit on the object counts that lies on the chord of a sphere
+(`half_chord`). The density of a point, per area, is that of the balance heuristic over axes and channels (King et al.
 2013; Pharr et al. 2016, section 15.4).
 """
 
@@ -64,7 +64,9 @@ def density(profile: Any, frame: Any, offset: Any, normal: Any, r_max: Any) -> A
         height = dr.dot(offset, along)
         r = dr.sqrt(dr.maximum(distance2 - height * height, 1e-20))
         flat = profile.pdf(r) / (2.0 * math.pi * r * within)
-        total += probability * dr.abs(dr.dot(normal, along)) * dr.select(
-            dr.abs(height) <= half_chord(r, r_max, profile.z_virtual), flat, 0.0
+        total += (
+            probability
+            * dr.abs(dr.dot(normal, along))
+            * dr.select(dr.abs(height) <= half_chord(r, r_max, profile.z_virtual), flat, 0.0)
         )
     return total
