@@ -36,8 +36,8 @@ class RadialProfile(Protocol):
         """Fraction of the albedo within r."""
         ...
 
-    def sample(self, u: Any, v: Any) -> Any:
-        """Radius for two uniform numbers."""
+    def sample(self, u: Any, v: Any, r_max: Any = None) -> Any:
+        """Radius for two uniform numbers; with `r_max`, one within it, of the density `pdf(r) / cdf(r_max)`."""
         ...
 
     def reach(self) -> Any:
