@@ -14,7 +14,7 @@ from nephrite import llvm
 
 SOURCE = Path(nephrite.__file__).parent
 LAYERS = [
-    {"errors", "llvm"}, {"physics"}, {"materials"}, {"profiles"}, {"bssrdf"}, {"plugins"}, {"scene"}, {"image"},
+    {"errors"}, {"llvm"}, {"physics"}, {"materials"}, {"profiles"}, {"bssrdf"}, {"plugins"}, {"scene"}, {"image"},
     {"rendering"}, {"cli"},
 ]  # fmt: skip
 RANK = {name: rank for rank, layer in enumerate(LAYERS) for name in layer}

@@ -60,9 +60,10 @@ def test_density_integrates_over_a_plane_to_the_chance_of_a_hit(cosine):
     integral = area @ _density(points, normal, (0, 0, 1), r_max)
     rng = np.random.default_rng(5)
     u = [mi.Float(rng.random(COUNT)) for _ in range(4)]
-    radius = PROFILE.sample(u[0] * PROFILE.cdf(r_max), u[1])
+    radius = PROFILE.sample(u[0], u[1], r_max)
     axes = probe.axis(_frame((0, 0, 1)), u[2])
-    origin, direction, length = probe.chord(mi.Point3f(0), axes, radius, r_max, u[3])
+    half = probe.half_chord(radius, mi.Float(r_max), PROFILE.z_virtual)
+    origin, direction, length = probe.chord(mi.Point3f(0), axes, radius, half, u[3])
     n = mi.Vector3f(*(float(x) for x in normal))
     t = -dr.dot(origin, n) / dr.dot(direction, n)
     hits = np.mean(np.array((t > 0) & (t < length) & (radius < r_max)))

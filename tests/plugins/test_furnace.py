@@ -66,7 +66,7 @@ def test_walk_is_white_on_a_mesh(name, exit_, tmp_path):
 @pytest.mark.parametrize("shape", ["sphere", "cube", "slab"])
 def test_no_model_makes_energy(model, shape):
     scene = _furnace(scenes.placed(shape))
-    mean, error = _brightness(scene, scenes.ours(model=model), 128)
+    mean, error = _brightness(scene, scenes.ours(model=model), 256)
     print(f"{model} {shape}: {mean:.5f} +- {error:.5f}")
     assert error < 3e-3
     # jumps are scaled to make no energy over the whole surface: a slab's broad side alone may be a little above
@@ -77,6 +77,6 @@ def test_no_model_makes_energy(model, shape):
 @pytest.mark.parametrize("model", ["dipole", "brdf"])
 def test_no_model_makes_energy_on_a_folded_mesh(model, tmp_path):
     scene = _furnace(_mesh("pendant", tmp_path))
-    mean, error = _brightness(scene, scenes.ours(model=model), 128)
+    mean, error = _brightness(scene, scenes.ours(model=model), 256)
     print(f"{model} pendant: {mean:.5f} +- {error:.5f}")
     assert mean < 1 + 4 * error + 2e-3

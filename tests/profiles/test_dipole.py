@@ -78,14 +78,24 @@ def test_samples_follow_the_pdf(sigma_a, eta):
     assert stats.kstest(profile.sample(u, v), profile.cdf).pvalue > 1e-3
 
 
-def test_samples_invert_each_pole_to_float_precision():
-    profile = StandardDipole(0.02, 1.0, boundary_factor(1.3))
-    u = np.linspace(0, 0.999, 1001)
+@pytest.mark.parametrize("r_max", [0.5, 3.0, 30.0])
+def test_truncated_samples_follow_the_truncated_pdf(r_max):
+    """A scaled u would send the deep pole's radii beyond r_max; Kolmogorov-Smirnov as above."""
+    profile = StandardDipole(0.01, 1.0, boundary_factor(1.3))
+    u, v = np.random.default_rng(8).random((2, 20_000))
+    radii = profile.sample(u, v, r_max)
+    assert radii.max() <= r_max * (1 + 1e-6)
+    assert stats.kstest(radii, lambda r: np.minimum(profile.cdf(r) / profile.cdf(r_max), 1)).pvalue > 1e-3
+
+
+@pytest.mark.parametrize("sigma_a", [1e-6, 1e-3, 0.02, 3.0, 100.0])
+def test_samples_invert_each_pole_far_into_its_tail(sigma_a):
+    profile = StandardDipole(sigma_a, 1.0, boundary_factor(1.3))
+    u = np.append(np.linspace(0, 0.999, 1000), 1 - np.geomspace(1e-3, 1e-7, 20))
     for v, z in ((0.0, profile.z_real), (1.0, profile.z_virtual)):
-        r = profile.sample(u, v)
-        d = np.hypot(r, z)
+        d = np.hypot(profile.sample(u, v), z)
         beyond = z / d * np.exp(-profile.sigma_tr * (d - z))
-        np.testing.assert_allclose(1 - beyond, u, atol=2e-6)
+        np.testing.assert_allclose(1 - beyond, u, atol=1e-7)
 
 
 @pytest.mark.parametrize("channel", range(3))
