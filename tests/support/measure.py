@@ -95,13 +95,18 @@ class Bias:
         at = np.unravel_index(np.abs(self.blocks).argmax(), self.blocks.shape)
         return float(self.blocks[at]), float(self.blocks_error[at])
 
+    @property
+    def rms(self) -> float:
+        """Root mean square of the blocks' differences, less what noise explains; 0 if that is more."""
+        return float(np.sqrt(max(float((self.blocks**2 - self.blocks_error**2).mean()), 0.0)))
+
     def __str__(self) -> str:
         means = "  ".join(
             f"{100 * m:+5.2f} +- {100 * e:4.2f}" for m, e in zip(self.mean, self.mean_error, strict=True)
         )
         worst, error = self.worst
-        rms = np.sqrt(max(float((self.blocks**2 - self.blocks_error**2).mean()), 0.0))
-        return f"object % {means} | worst block % {100 * worst:+5.2f} +- {100 * error:4.2f} | rms % {100 * rms:4.2f}"
+        blocks = f"worst block % {100 * worst:+5.2f} +- {100 * error:4.2f} | rms % {100 * self.rms:4.2f}"
+        return f"object % {means} | {blocks}"
 
 
 def bias(picture: Passes, reference: Passes, mask: NDArray[np.bool_], block: int = 4) -> Bias:
