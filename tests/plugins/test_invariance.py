@@ -45,19 +45,35 @@ def test_flipped_normals_of_a_rough_standard_object():
     _same(one, other, {"model": "walk"})
 
 
-@pytest.mark.parametrize("parameters", MODELS[::2], ids=lambda p: "-".join(p.values()))
-def test_reversed_and_mixed_faces(parameters, tmp_path):
+MIXED_DIPOLE = pytest.param(
+    "mixed",
+    {"model": "dipole"},
+    marks=pytest.mark.xfail(
+        strict=True, reason="the dipole takes one side for outside all over an object: 6 % too dark"
+    ),
+)
+
+
+@pytest.mark.parametrize(
+    ("order", "parameters"),
+    [
+        ("reversed", {"model": "walk"}),
+        ("mixed", {"model": "walk"}),
+        ("reversed", {"model": "dipole"}),
+        MIXED_DIPOLE,
+    ],
+)
+def test_reversed_and_mixed_faces(order, parameters, tmp_path):
+    """Mixed windings are mended where the package reads a mesh; here Mitsuba reads them as they are."""
     mesh = placed(named.find("cube"), 14.0)
-    faces = mesh.faces.copy()
-    faces[::2] = faces[::2, ::-1]
-    pieces = {"right": mesh.faces, "reversed": mesh.faces[:, ::-1], "mixed": faces}
-    shapes = {}
-    for name, triangles in pieces.items():
-        piece = dataclasses.replace(mesh, faces=np.ascontiguousarray(triangles))
-        path = write_ply(piece, tmp_path / f"{name}.ply")
-        shapes[name] = {"type": "ply", "filename": str(path), "face_normals": True}
-    for name in ("reversed", "mixed"):
-        _same(_scene(shapes["right"]), _scene(shapes[name]), parameters)
+    reversed_ = mesh.faces[:, ::-1]
+    mixed = np.where(np.arange(len(mesh.faces))[:, None] % 2 == 0, reversed_, mesh.faces)
+    shapes = []
+    for faces in (mesh.faces, {"reversed": reversed_, "mixed": mixed}[order]):
+        piece = dataclasses.replace(mesh, faces=np.ascontiguousarray(faces))
+        path = write_ply(piece, tmp_path / f"{len(shapes)}.ply")
+        shapes.append({"type": "ply", "filename": str(path), "face_normals": True})
+    _same(_scene(shapes[0]), _scene(shapes[1]), parameters, spp=1024)
 
 
 @pytest.mark.parametrize("parameters", [*MODELS[::2], {"model": "brdf"}], ids=lambda p: "-".join(p.values()))
