@@ -1,6 +1,6 @@
 """Efficiency and samples a second on benchmark scene B1, the skim-milk dragon: every model beside Mitsuba's volpathmis.
 
-    .venv/bin/python benchmarks/efficiency.py [--spp 32] [--repeat 3]
+    .venv/bin/python benchmarks/efficiency.py [--spp 16] [--repeat 2]
 
 Efficiency = mean^2 / (variance * seconds) over the pixels of the dragon's body; variance from two renders with other
 seeds, seconds of the whole render call after a warm-up. Ratios only mean something between rows of one run.
@@ -77,8 +77,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--spp", type=int, default=32)
-    parser.add_argument("--repeat", type=int, default=3)
+    parser.add_argument("--spp", type=int, default=16)
+    parser.add_argument("--repeat", type=int, default=2)
     given = parser.parse_args()
     mi.set_variant("llvm_ad_rgb")
     b1 = scene()
