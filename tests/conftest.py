@@ -29,3 +29,14 @@ def switching() -> Iterator[None]:
 
     yield
     mi.set_variant(VARIANT)
+
+
+@pytest.fixture(autouse=True)
+def shipped_materials():
+    """Forget the materials that a test has registered, as `--material-file` does."""
+    from nephrite import materials
+
+    shipped = set(materials.names())
+    yield
+    for name in set(materials.names()) - shipped:
+        materials.unregister(name)
