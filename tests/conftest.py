@@ -1,5 +1,6 @@
 """What all tests share: Mitsuba loaded after nephrite, one variant for the whole session, `tests/support`."""
 
+import signal
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,6 +12,9 @@ import nephrite  # noqa: F401 (before Mitsuba, which else takes the system's LLV
 sys.path.insert(0, str(Path(__file__).parent))
 
 VARIANT = "llvm_ad_rgb"
+
+# a shell starts its background jobs with Ctrl-C ignored: the tests of Ctrl-C need Python's own handler
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session", autouse=True)
