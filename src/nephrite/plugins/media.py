@@ -38,6 +38,7 @@ class Entry:
     surface: Any | None
     bsdf: Any | None = None
     medium: Any | None = None
+    owner: Any | None = None  # keeps a smooth dielectric alive, by whose identity the entry is found again
     shapes: list[Any] = field(default_factory=list)
     least_reach: float = 0.0
 
@@ -275,7 +276,7 @@ def _standard(shape: Any, bsdf: Any, medium: Any, found: dict[int, Entry]) -> En
             f"shape {name!r} has an interior medium behind a {bsdf.class_name()}: translucent_path needs a "
             "dielectric, roughdielectric or translucent BSDF there."
         )
-    key = hash((bsdf.ptr if hasattr(bsdf, "ptr") else id(bsdf), id(medium)))
+    key = hash((id(bsdf), id(medium)))
     if key in found:
         return found[key]
     values = {str(name): value for name, value in mi.traverse(bsdf)}
@@ -291,6 +292,6 @@ def _standard(shape: Any, bsdf: Any, medium: Any, found: dict[int, Entry]) -> En
     phase_values = {str(name): value for name, value in mi.traverse(phase)}
     g = float(np.ravel(phase_values["g"])[0]) if "g" in phase_values else 0.0
     eta = float(np.ravel(values["eta"])[0])
-    entry = Entry(name, g, eta, None if smooth else bsdf, medium=medium)
+    entry = Entry(name, g, eta, None if smooth else bsdf, medium=medium, owner=bsdf)
     found[key] = entry
     return entry
