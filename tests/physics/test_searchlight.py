@@ -1,10 +1,11 @@
 """The simulation of searchlights against exact and published values, and its laws.
 
-Statistical tests fix their seeds. `_agree` fails a right program with probability 1e-4 a case, were the seed drawn anew.
+Statistical tests fix their seeds. `_agree` fails a right program with probability 1e-4 a case, were seeds drawn anew.
 """
 
 import math
 
+import mitsuba as mi
 import numpy as np
 import pytest
 from scipy import stats
@@ -13,6 +14,7 @@ from nephrite.errors import ParameterError
 from nephrite.physics import halfspace, searchlight
 from nephrite.physics.fresnel import external_diffuse_reflectance, reflectance, refracted_cosine
 from nephrite.physics.single import single_scattering_share
+from support import scenes
 
 CHANCE = 1e-4
 ALBEDOS = np.array([0.3, 0.8, 0.95, 0.99, 0.999])
@@ -178,6 +180,35 @@ def test_forward_scattering_is_like_less_scattering():
         errors.append(values[-1] * np.hypot(*light.profile(albedo).error[1:3] / [near, far]))
     _agree(values[1] - values[0], np.hypot(*errors), 0.0)
     assert np.hypot(*errors) < 0.06 * values[0]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("cosine", [1.0, 0.3])
+def test_the_integrators_exact_walk_agrees(cosine):
+    """Radiance of a thick plate under a uniform sky: what it reflects of light from there, by another program."""
+    eta, g, albedos = 1.4, 0.6, [0.5, 0.9, 0.99]
+    origin = [200.0 * math.sqrt(1.0 - cosine**2) + 1.0, 2.0, 200.0 * cosine]
+    transform = mi.ScalarTransform4f
+    plate = {"type": "cube", "to_world": transform().translate([0, 0, -60]).scale([300, 300, 60])}
+    scene = {
+        "type": "scene",
+        "plate": plate | scenes.translucent([1.0 - a for a in albedos], albedos, g, eta),
+        "sky": scenes.environment(1.0),
+        "sensor": {
+            "type": "orthographic",
+            "to_world": transform().look_at(origin, [1.0, 2.0, 0.0], [0, 1, 0])
+            @ transform().scale([0.01, 0.01, 1]),
+            "film": {"type": "hdrfilm", "width": 32, "height": 32, "rfilter": {"type": "box"}},
+        },
+    }
+    integrator = mi.load_dict(scenes.ours(model="walk", exit="exact"))
+    pixels = np.array(mi.render(mi.load_dict(scene), integrator=integrator, spp=256, seed=1)).reshape(-1, 3)
+    noise = pixels.std(axis=0) / math.sqrt(len(pixels))
+    light = searchlight.simulate(eta, g, incidence=cosine, paths=2**19, seed=14, longest=2**14)
+    total = light.total(np.array(albedos))
+    expected = light.specular + (1.0 - light.specular) * total.value
+    assert np.all(noise < 2e-3)
+    _agree(pixels.mean(axis=0), np.hypot(noise, (1.0 - light.specular) * total.error), expected)
 
 
 @pytest.mark.parametrize(
