@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from nephrite.errors import ParameterError
 from nephrite.physics import from_albedo_and_radius, inversion
+from nephrite.physics.color import albedo_to_color
 
 ETAS = [0.7, 1.0, 1.3, 1.5, 2.0]
 
@@ -68,26 +69,9 @@ def test_van_de_hulst_round_trip():
         np.testing.assert_allclose(inversion.van_de_hulst_color(albedo, g), color, atol=1e-4)
 
 
-def half_space(albedo):
-    """Chandrasekhar's H function, isotropic, index-matched: albedo for normal and for diffuse light."""
-    nodes, weights = np.polynomial.legendre.leggauss(64)
-    mu, weights = 0.5 * (nodes + 1), 0.5 * weights
-    kernel = weights * mu / (mu[:, None] + mu)
-    absorbed = math.sqrt(1 - albedo)
-    h = np.ones_like(mu)
-    for _ in range(2000):
-        h = 1 / (absorbed + 0.5 * albedo * kernel @ h)
-    at_normal = 1 / (absorbed + 0.5 * albedo * np.sum(weights * mu / (1 + mu) * h))
-    return 1 - absorbed * at_normal, 1 - absorbed * 2 * np.sum(weights * mu * h)
-
-
-@pytest.mark.parametrize(
-    ("albedo", "published"), [(0.5, 0.1152), (0.8, 0.2853), (0.95, 0.5355), (0.99, 0.7527), (0.999, 0.9128)]
-)
-def test_van_de_hulst_reproduces_the_exact_index_matched_half_space(albedo, published):
-    normal, diffuse = half_space(albedo)
-    assert normal == pytest.approx(published, abs=1e-4)
-    assert inversion.van_de_hulst_color(albedo) == pytest.approx(diffuse, abs=2.5e-3)
+@pytest.mark.parametrize("albedo", [0.5, 0.8, 0.95, 0.99, 0.999])
+def test_van_de_hulst_reproduces_the_exact_index_matched_half_space(albedo):
+    assert inversion.van_de_hulst_color(albedo) == pytest.approx(albedo_to_color(albedo, 1.0), abs=2.5e-3)
 
 
 def test_chiang_round_trip():

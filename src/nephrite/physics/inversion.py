@@ -1,9 +1,9 @@
-"""From what an artist sees to what a medium is: albedo inversion, with and without the dielectric interface.
+"""From what an artist sees to what a medium is: the maps that are fast, known and approximate.
 
-Three maps from a surface's diffuse colour to the (reduced) single-scattering albedo:
+`color` has the exact one. Here are three others from a surface's diffuse colour to the (reduced) albedo:
 
 - `dipole_albedo`: inverts the total diffuse reflectance of the standard dipole *with* its interface,
-  numerically. It is the default, and its round trip through `Medium.diffuse_reflectance` is exact.
+  numerically; its round trip through `Medium.diffuse_reflectance` is exact. As the dipole, it is off for dark media.
 - `chiang_albedo`, `van_de_hulst_albedo`: the maps that production renderers ship. They hold for an
   index-matched surface only; under a dielectric of 1.3-1.5 they are 20 to 190 % off.
 
@@ -13,12 +13,12 @@ All three are elementwise on floats, NumPy arrays or Dr.Jit arrays, so that text
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from nephrite.errors import ParameterError
 from nephrite.physics._arrays import namespace, plain
 from nephrite.physics.fresnel import boundary_factor, check_eta
-from nephrite.physics.phase import check_g
 
 if TYPE_CHECKING:
     from nephrite.physics.medium import Medium
@@ -32,12 +32,13 @@ __all__ = [
     "dipole_albedo",
     "dipole_falloff",
     "from_albedo_and_radius",
+    "medium_from_falloff",
     "van_de_hulst_albedo",
     "van_de_hulst_color",
 ]
 
 MIN_RADIUS = 1e-4
-"""Shortest mean free path (mm) of `from_albedo_and_radius`: below light's wavelength all is diffuse."""
+"""Shortest mean free path (mm) of a medium that is made from a colour: below light's wavelength all is diffuse."""
 
 _STEPS = 8  # of Newton's method, which converges from the left; measured in tests/physics/test_inversion.py
 
@@ -144,19 +145,30 @@ def from_albedo_and_radius(albedo: Any, radius: Any, g: float = 0.0, eta: float 
     0; anything below `MIN_RADIUS`, 0 included, becomes `MIN_RADIUS`, which looks like a diffuse surface. `g`,
     `eta` as in `Medium`. Raises `ParameterError` for anything outside these ranges.
     """
-    from nephrite.physics.medium import Medium, rgb
+    from nephrite.physics.medium import rgb
 
-    g, eta = check_g(g), check_eta(eta)
-    colors, lengths = rgb(albedo, "albedo"), rgb(radius, "radius")
+    eta = check_eta(eta)
+    colors = rgb(albedo, "albedo")
     if max(colors) > 1.0:
         raise ParameterError(
             f"albedo is {albedo!r}: no surface reflects more than it receives; each channel lies in [0, 1] "
             "(divide 8 bit colours by 255 and decode sRGB)."
         )
+    return medium_from_falloff([dipole_falloff(color, eta) for color in colors], radius, g, eta)
+
+
+def medium_from_falloff(falloff: Sequence[float], radius: Any, g: float, eta: float) -> Medium:
+    """Build the medium with these s = sigma_tr / sigma_t' in [0, sqrt 3], one for each channel.
+
+    `radius`: reduced mean free path `1 / sigma_t'` in mm, one number or RGB, >= 0, at least `MIN_RADIUS` or made so.
+    Raises `ParameterError` for an impossible radius, `g` or `eta`.
+    """
+    from nephrite.physics.medium import Medium, rgb
+
     absorption, reduced = [], []
-    for color, length in zip(colors, lengths, strict=True):
+    for s, length in zip(falloff, rgb(radius, "radius"), strict=True):
         extinct = 1.0 / max(length, MIN_RADIUS)
-        absorbed = dipole_falloff(color, eta) ** 2 / 3.0 if color > 0.0 else 1.0
+        absorbed = s**2 / 3.0 if s < math.sqrt(3.0) else 1.0
         absorption.append(extinct * absorbed)
         reduced.append(extinct * max(1.0 - absorbed, 0.0))
     return Medium.from_reduced(absorption, reduced, g, eta)
