@@ -11,7 +11,7 @@ import pytest
 from scipy import stats
 
 from nephrite.errors import ParameterError
-from nephrite.physics import halfspace, searchlight
+from nephrite.physics import halfspace, phase, searchlight
 from nephrite.physics.fresnel import external_diffuse_reflectance, reflectance, refracted_cosine
 from nephrite.physics.single import single_scattering_share
 from support import scenes
@@ -131,6 +131,23 @@ def test_light_that_is_not_scattered_goes_straight(cosine):
     offset = thickness * math.sqrt(1.0 - inside**2) / inside
     at = np.argmax(rings.value)
     assert rings.edges[at] <= max(offset, 1e-6) < rings.edges[at + 1]
+
+
+@pytest.mark.parametrize("g", [0.0, 0.6])
+def test_rings_of_light_that_scattered_once(g):
+    """Against R(r) = integral over the depth z of e^-z p(-z/d) e^-d z/d^3, d^2 = r^2 + z^2; index-matched."""
+    light = searchlight.simulate(1.0, g, paths=2**19, seed=15, longest=2, radii=(0.03, 3.0, 20))
+    rings = light.profile(1.0, first=1, last=1)
+    points, weights = np.polynomial.legendre.leggauss(12)
+    edges = rings.edges[1:-1]
+    r = edges[:-1, None, None] + np.diff(edges)[:, None, None] * 0.5 * (points[:, None] + 1.0)
+    share, of_share = np.polynomial.legendre.leggauss(200)
+    z = 12.0 * r * (0.5 * (share + 1.0)) ** 2 / (1.0 + r)  # from 0 to where little is left, crowded at 0
+    depth = 12.0 * r * 0.5 * (share + 1.0) / (1.0 + r) * of_share
+    d = np.sqrt(r**2 + z**2)
+    radial = (depth * np.exp(-z - d) * phase.eval(-z / d, g) * z / d**3).sum(axis=-1, keepdims=True)
+    expected = (2.0 * math.pi * r * radial * weights[:, None]).sum(axis=(1, 2)) * 0.5 * np.diff(edges)
+    _agree(rings.value[1:-1], rings.error[1:-1], expected)
 
 
 def test_gaussian_beam():

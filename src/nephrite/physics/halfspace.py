@@ -128,7 +128,7 @@ def emergent(albedo: float, eta: float, g: float = 0.0, incidence: str = "diffus
 
 def _directions(eta: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Return (cosines inside, weights, cosines outside - 0 where none -, reflectance from inside)."""
-    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    nodes, weights = _gauss(_NODES)
     unit, weights = 0.5 * (nodes + 1.0), 0.5 * weights
     if eta <= 1.0:
         outside = np.sqrt(1.0 - eta**2 * (1.0 - unit**2))
@@ -137,7 +137,7 @@ def _directions(eta: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndar
     critical = math.sqrt(1.0 - 1.0 / eta**2)
     passing = np.sqrt(critical**2 + (squared / eta) ** 2)
     # few nodes in a narrow interval: cosines of nearly 0 cost the eigenvalues their digits
-    nodes, weights = np.polynomial.legendre.leggauss(4 + round((_NODES - 4) * critical))
+    nodes, weights = _gauss(4 + round((_NODES - 4) * critical))
     caught = 0.5 * critical * (nodes + 1.0)
     return (
         np.concatenate([caught, passing]),
@@ -145,6 +145,11 @@ def _directions(eta: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndar
         np.concatenate([np.zeros_like(caught), squared]),
         np.concatenate([np.ones_like(caught), np.asarray(fresnel.reflectance(squared, eta))]),
     )
+
+
+@lru_cache(maxsize=64)
+def _gauss(count: int) -> tuple[np.ndarray, np.ndarray]:
+    return np.polynomial.legendre.leggauss(count)
 
 
 def _legendre(mu: np.ndarray, last: int) -> np.ndarray:
