@@ -1,4 +1,4 @@
-"""Writes PNG and EXR files that tell how they were made, and never leaves half a file behind."""
+"""Writes PNG and EXR files that tell how they were made, and others; never leaves half a file behind."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import io
 import os
 import stat
 import uuid
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -69,10 +69,26 @@ def save(
     return target
 
 
-def check_writable(path: str | os.PathLike) -> str | None:
+def save_bytes(path: str | os.PathLike, content: bytes) -> Path:
+    """Write what is no picture (an SVG plot, a table) in one step, as `save` does; returns the file's path.
+
+    Raises:
+        ParameterError: The path cannot be written.
+    """
+    target = _resolve(path)
+    check_writable(target, (target.suffix.lower(),))
+    _replace(target, content)
+    return target
+
+
+def check_writable(path: str | os.PathLike, suffixes: Sequence[str] = SUFFIXES) -> str | None:
     """Make sure, before a long render, that `save` will be able to write to `path`.
 
     If only the last folder is missing, it is made; deeper ones are not, for they are likely a typing error.
+
+    Args:
+        path: Where to.
+        suffixes: What its name may end in.
 
     Returns:
         A message when the folder had to be made, else None.
@@ -81,9 +97,9 @@ def check_writable(path: str | os.PathLike) -> str | None:
         ParameterError: With the reason and the remedy.
     """
     target = _resolve(path)
-    if target.suffix.lower() not in SUFFIXES:
+    if target.suffix.lower() not in suffixes:
         raise ParameterError(
-            f"cannot write {os.fspath(path)!r}: the name must end in {' or '.join(SUFFIXES)}, "
+            f"cannot write {os.fspath(path)!r}: the name must end in {' or '.join(suffixes)}, "
             f"not {target.suffix!r}."
         )
     try:
