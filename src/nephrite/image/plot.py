@@ -32,10 +32,16 @@ _STYLES = (
 """Colours that remain distinct for colour-blind eyes (Okabe and Ito 2008); dashes show lines that cover each other."""
 
 MOST_LINES = len(_STYLES)
+_EDGE, _COLUMN, _ALONE, _ROW = (
+    0.75,
+    4.35,
+    6.4,
+    0.19,
+)  # inches: left margin, panels, a single one, row of the table
 _INK, _SOFT, _GRID = "#22242a", "#6d717a", "#e3e4e8"
 _WIDEST_ERROR = 50.0  # percent: the end of the lower panels
 _NOISIEST = 0.25  # relative standard error beyond which the truth says nothing about a ring
-_FONTS = {
+_FONTS: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 9,
     "mathtext.fontset": "dejavusans",
@@ -82,30 +88,36 @@ def profiles(panels: Sequence[Panel], title: str, subtitle: str) -> Any:
     from matplotlib.figure import Figure
 
     with matplotlib.rc_context(_FONTS):
-        figure = Figure(figsize=(4.35 * len(panels) + 0.75 if len(panels) > 1 else 6.6, 6.9), dpi=DPI)
-        left, right = 0.72 / figure.get_figwidth(), 1.0 - 0.22 / figure.get_figwidth()
+        rows = 1 + max(len(panel.lines) for panel in panels)
+        width = _EDGE + _COLUMN * len(panels) if len(panels) > 1 else _ALONE
+        height = 7.0 + _ROW * rows
+        figure = Figure(figsize=(width, height), dpi=DPI)
+        left = _EDGE / width
         grid = figure.add_gridspec(
-            2, len(panels), height_ratios=(2.5, 1.0), hspace=0.06, wspace=0.06,
-            left=left, right=right, bottom=0.082, top=0.845,
+            3, len(panels), height_ratios=(3.9, 1.55, _ROW * rows + 0.75), hspace=0.05, wspace=0.06,
+            left=left, right=1.0 - 0.2 / width, bottom=0.15 / height, top=1.0 - 1.05 / height,
         )  # fmt: skip
-        figure.text(left, 0.955, title, size=14, weight="bold", color=_INK, va="center")
-        figure.text(left, 0.918, subtitle, size=9, color=_SOFT, va="center")
+        figure.text(left, 1.0 - 0.34 / height, title, size=14, weight="bold", color=_INK, va="center")
+        figure.text(left, 1.0 - 0.62 / height, subtitle, size=9, color=_SOFT, va="center")
         span = min(panel.span[0] for panel in panels), max(panel.span[1] for panel in panels)
         limits = _limits(panels, span)
-        first = None
         for i, panel in enumerate(panels):
-            upper = figure.add_subplot(grid[0, i], sharey=first)
-            lower = figure.add_subplot(grid[1, i], sharex=upper)
-            first = first or upper
-            _draw_values(upper, panel, span, limits)
-            _draw_errors(lower, panel)
-            for axes in (upper, lower):
-                axes.tick_params(labelleft=i == 0)
-            upper.tick_params(labelbottom=False)
-            lower.set_xlabel("distance r  [mm]")
+            values, errors = figure.add_subplot(grid[0, i]), figure.add_subplot(grid[1, i])
+            _draw_values(values, panel, limits)
+            _draw_errors(errors, panel)
+            for axes in (values, errors):
+                axes.set_xscale("log")
+                axes.set_xlim(*span)
+                axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
+                _tidy(axes, labelled=i == 0)
+                _mark(axes, panel, labelled=axes is values)
+            values.tick_params(labelbottom=False)
+            errors.set_xlabel("distance r  [mm]")
             if i == 0:
-                upper.set_ylabel("radiant exitance R(r)  [1/mm²]")
-                lower.set_ylabel("error  [%]")
+                values.set_ylabel("radiant exitance R(r)  [1/mm²]")
+                errors.set_ylabel("error  [%]")
+                figure.align_ylabels([values, errors])
+            _draw_table(figure.add_subplot(grid[2, i]), panel, rows)
     return figure
 
 
@@ -130,9 +142,9 @@ def _listed(notes: Mapping[str, str]) -> str:
 
 
 def _limits(panels: Sequence[Panel], span: tuple[float, float]) -> tuple[float, float]:
-    """Return the least and the greatest R to be shown: the truth's, with room for the table below."""
+    """Return the least and the greatest R to be shown: a little more than the truth's."""
     values = np.concatenate([p.truth[_shown(p) & (p.radius >= span[0])] for p in panels])
-    return float(values.min()) / 4.0, float(values.max()) * 4.0
+    return float(values.min()) / 2.0, float(values.max()) * 4.0
 
 
 def _shown(panel: Panel) -> NDArray[np.bool_]:
@@ -140,16 +152,12 @@ def _shown(panel: Panel) -> NDArray[np.bool_]:
     return (panel.error < _NOISIEST * panel.truth) & (panel.radius <= panel.span[1])
 
 
-def _draw_values(axes: Any, panel: Panel, span: tuple[float, float], limits: tuple[float, float]) -> None:
-    """Draw R(r): lines for models, dots with error bars for the truth, and the table of errors."""
-    axes.set_xscale("log")
+def _draw_values(axes: Any, panel: Panel, limits: tuple[float, float]) -> None:
+    """Draw R(r): lines for models, dots with error bars for the truth."""
     axes.set_yscale("log")
-    axes.set_xlim(*span)
     axes.set_ylim(*limits)
-    _tidy(axes)
     axes.set_title(panel.heading, loc="left", size=11, weight="bold", color=_INK, pad=6)
     axes.set_title(panel.note, loc="right", size=8, color=_SOFT, pad=6)
-    _mark(axes, panel)
     for line, (color, dashes) in zip(panel.lines, _STYLES, strict=False):
         drawn = (line.values > 0.0) & (panel.radius <= panel.span[1])
         axes.plot(panel.radius[drawn], line.values[drawn], color=color, ls=dashes, lw=1.6, zorder=3)
@@ -158,63 +166,58 @@ def _draw_values(axes: Any, panel: Panel, span: tuple[float, float], limits: tup
         panel.radius[at], panel.truth[at], panel.error[at],
         fmt="o", ms=2.6, color=_INK, elinewidth=0.8, zorder=4,
     )  # fmt: skip
-    _table(axes, panel)
-
-
-def _mark(axes: Any, panel: Panel) -> None:
-    """Show a length by a thin vertical line, above the table, with its label."""
-    length, label = panel.mark
-    axes.axvline(length, ymin=0.5, color=_SOFT, lw=0.8, ls=(0, (2, 2)), zorder=1)
-    low, high = axes.get_xlim()
-    place = np.log(length / low) / np.log(high / low)
-    if not 0.0 < place < 1.0:
-        return
-    side, offset = ("right", -0.012) if place > 0.7 else ("left", 0.012)
-    axes.text(
-        place + offset, 0.975, label, transform=axes.transAxes, size=7.5, color=_SOFT, ha=side, va="top"
-    )
-
-
-def _table(axes: Any, panel: Panel) -> None:
-    """Put the legend into the empty corner: one row for each model, with its errors."""
-    step, left = 0.052, 0.035
-    rows = len(panel.lines) + 1
-    style: dict[str, Any] = {"transform": axes.transAxes, "va": "center", "size": 8}
-    top = 0.045 + step * rows
-    axes.text(left + 0.44, top, "total", ha="right", color=_SOFT, **style)
-    axes.text(left + 0.585, top, "profile", ha="right", color=_SOFT, **style)
-    axes.text(left + 0.07, top, "error of", color=_SOFT, **style)
-    for i, (line, (color, dashes)) in enumerate(zip(panel.lines, _STYLES, strict=False)):
-        y = top - step * (i + 1)
-        axes.plot([left, left + 0.05], [y, y], color=color, ls=dashes, lw=2.0, transform=axes.transAxes)
-        axes.text(left + 0.07, y, line.label, color=_INK, **style)
-        axes.text(left + 0.44, y, line.total, ha="right", color=_INK, **style)
-        axes.text(left + 0.585, y, line.profile, ha="right", color=_INK, **style)
 
 
 def _draw_errors(axes: Any, panel: Panel) -> None:
     """Draw relative errors in percent, and the truth's standard error as a band around 0."""
     axes.set_ylim(-_WIDEST_ERROR, _WIDEST_ERROR)
     axes.set_yticks([-50, -25, 0, 25, 50], ["−50", "−25", "0", "+25", "+50"])
-    _tidy(axes)
     at = _shown(panel)
     radius, truth = panel.radius[at], panel.truth[at]
     band = 100.0 * panel.error[at] / truth
     axes.fill_between(radius, -band, band, color="#c9cbd1", lw=0, zorder=1)
     axes.axhline(0.0, color=_INK, lw=0.8, zorder=2)
-    axes.axvline(panel.mark[0], color=_SOFT, lw=0.7, ls=(0, (2, 2)), zorder=1)
     for line, (color, dashes) in zip(panel.lines, _STYLES, strict=False):
         axes.plot(radius, 100.0 * (line.values[at] / truth - 1.0), color=color, ls=dashes, lw=1.6, zorder=3)
 
 
-def _tidy(axes: Any) -> None:
+def _draw_table(axes: Any, panel: Panel, rows: int) -> None:
+    """Write the legend: a row for each model, with its errors."""
+    axes.set_axis_off()
+    axes.set_xlim(0.0, 1.0)
+    axes.set_ylim(-(_ROW * rows), 0.75)  # in inches, below the label of the axis above
+    total, profile = 0.62, 0.86
+    axes.text(0.09, 0.0, "error of", size=8, color=_SOFT, va="center")
+    axes.text(total, 0.0, "the total", size=8, color=_SOFT, va="center", ha="right")
+    axes.text(profile, 0.0, "the profile", size=8, color=_SOFT, va="center", ha="right")
+    for i, (line, (color, dashes)) in enumerate(zip(panel.lines, _STYLES, strict=False)):
+        y = -_ROW * (i + 1)
+        axes.plot([0.0, 0.065], [y, y], color=color, ls=dashes, lw=2.0, clip_on=False)
+        axes.text(0.09, y, line.label, size=8.5, color=_INK, va="center")
+        axes.text(total, y, line.total, size=8.5, color=_INK, va="center", ha="right")
+        axes.text(profile, y, line.profile, size=8.5, color=_INK, va="center", ha="right")
+
+
+def _mark(axes: Any, panel: Panel, labelled: bool) -> None:
+    """Show a length by a thin vertical line, with its label."""
+    length, label = panel.mark
+    axes.axvline(length, color=_SOFT, lw=0.8, ls=(0, (2, 2)), zorder=1)
+    low, high = axes.get_xlim()
+    place = np.log(length / low) / np.log(high / low)
+    if labelled and 0.0 < place < 1.0:
+        side, offset = ("right", -0.012) if place > 0.7 else ("left", 0.012)
+        axes.text(
+            place + offset, 0.975, label, transform=axes.transAxes, size=8, color=_SOFT, ha=side, va="top"
+        )
+
+
+def _tidy(axes: Any, labelled: bool) -> None:
     """Leave two thin axes, ticks that do not shout, and a light grid."""
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
     for side in ("left", "bottom"):
         axes.spines[side].set_color(_SOFT)
     axes.tick_params(which="both", color=_SOFT, labelcolor=_INK, labelsize=8.5)
+    axes.tick_params(axis="y", labelleft=labelled)
     axes.grid(True, color=_GRID, lw=0.7, zorder=0)
     axes.set_axisbelow(True)
-    if axes.get_xscale() == "log":
-        axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")

@@ -13,7 +13,6 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import NDArray
 
 __all__ = ["Streams", "gauss", "reflection", "streams"]
 
@@ -21,7 +20,7 @@ _NARROW = 0.02  # total reflection up to this cosine, .04 % of the light, needs 
 
 
 @lru_cache(maxsize=8)
-def gauss(count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def gauss(count: int) -> tuple[np.ndarray, np.ndarray]:
     """Return Gauss-Legendre nodes in (0, 1) and their weights, (count,) each."""
     nodes, weights = legendre.leggauss(count)
     return 0.5 * (nodes + 1.0), 0.5 * weights
@@ -34,8 +33,8 @@ class Panel:
     start: float
     end: float
     power: int
-    unit: NDArray[np.float64]
-    unit_weights: NDArray[np.float64]
+    unit: np.ndarray
+    unit_weights: np.ndarray
 
     @classmethod
     def of(cls, start: float, end: float, power: int, count: int) -> Panel:
@@ -43,16 +42,16 @@ class Panel:
         return cls(start, end, power, *gauss(count))
 
     @property
-    def cosines(self) -> NDArray[np.float64]:
+    def cosines(self) -> np.ndarray:
         """The cosines, (count,)."""
         return self.start + (self.end - self.start) * self.unit**self.power
 
     @property
-    def weights(self) -> NDArray[np.float64]:
+    def weights(self) -> np.ndarray:
         """Weights of an integral over the cosine, (count,)."""
         return (self.end - self.start) * self.power * self.unit ** (self.power - 1) * self.unit_weights
 
-    def project(self, cosines: NDArray[np.float64], amounts: NDArray[np.float64]) -> NDArray[np.float64]:
+    def project(self, cosines: np.ndarray, amounts: np.ndarray) -> np.ndarray:
         """Return the row x for which `x @ values` is the sum of amounts times the values between the nodes, (count,).
 
         Cosines outside the panel are left out.
@@ -76,16 +75,16 @@ class Streams:
     order: int
 
     @cached_property
-    def cosines(self) -> NDArray[np.float64]:
+    def cosines(self) -> np.ndarray:
         """Cosines, (n,)."""
         return np.concatenate([panel.cosines for panel in self.panels])
 
     @cached_property
-    def weights(self) -> NDArray[np.float64]:
+    def weights(self) -> np.ndarray:
         """Weights of an integral over the cosine, (n,)."""
         return np.concatenate([panel.weights for panel in self.panels])
 
-    def project(self, cosines: NDArray[np.float64], amounts: NDArray[np.float64]) -> NDArray[np.float64]:
+    def project(self, cosines: np.ndarray, amounts: np.ndarray) -> np.ndarray:
         """Return the row x for which `x @ values` is the sum of amounts times the values between the nodes, (n,)."""
         return np.concatenate([panel.project(cosines, amounts) for panel in self.panels])
 
@@ -102,7 +101,7 @@ def streams(eta: float, count: int) -> Streams:
     return Streams((Panel.of(0.0, critical, 1, count // 2), Panel.of(critical, 1.0, 2, count)), count - 1)
 
 
-def reflection(at: Streams, g: float, albedo: float) -> NDArray[np.float64]:
+def reflection(at: Streams, g: float, albedo: float) -> np.ndarray:
     """Return the operator R of a half-space without interface: `upward = R @ downward`, radiances at its top, (n, n).
 
     `albedo`: of single scattering, in [0, 1], not reduced. Henyey-Greenstein; a forward peak too sharp for the streams

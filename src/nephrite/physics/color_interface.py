@@ -11,7 +11,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nephrite.physics import fresnel
 from nephrite.physics.color_halfspace import Streams, gauss
@@ -30,8 +29,8 @@ class Interface:
     inside in proportion to it.
     """
 
-    reflects: NDArray[np.float64]
-    transmits: NDArray[np.float64]
+    reflects: np.ndarray
+    transmits: np.ndarray
 
 
 def interface(at: Streams, eta: float, alpha: float) -> Interface:
@@ -61,9 +60,9 @@ class _Facets:
     """
 
     cos_i: float
-    tilt: NDArray[np.float64]
-    cos_m: NDArray[np.float64]
-    share: NDArray[np.float64]
+    tilt: np.ndarray
+    cos_m: np.ndarray
+    share: np.ndarray
 
 
 def _visible_facets(cos_i: float, alpha: float) -> _Facets:
@@ -85,7 +84,7 @@ def _visible_facets(cos_i: float, alpha: float) -> _Facets:
     return _Facets(cos_i, ((height + z) / length).ravel(), cos_m.ravel(), share.ravel())
 
 
-def _reflected(facets: _Facets, eta: float, alpha: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _reflected(facets: _Facets, eta: float, alpha: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the cosines along which facets reflect light from inside, back inside, and how much; (k,) each."""
     cosine = 2.0 * facets.cos_m * facets.tilt - facets.cos_i
     back = cosine > 0.0
@@ -102,7 +101,7 @@ def _transmitted(facets: _Facets, eta: float, alpha: float) -> float:
     return float(amount[cosine > 0.0].sum())
 
 
-def _unmasked(cosine: NDArray[np.float64], alpha: float) -> NDArray[np.float64]:
+def _unmasked(cosine: np.ndarray, alpha: float) -> np.ndarray:
     """Smith's masking G1 of GGX: the share of the facets that is seen along a cosine above 0."""
     squared = np.maximum(cosine * cosine, 1e-30)
     return 2.0 / (1.0 + np.sqrt(1.0 + alpha * alpha * (1.0 - np.minimum(squared, 1.0)) / squared))
