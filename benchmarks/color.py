@@ -77,7 +77,7 @@ def rendered(asked: float, eta: float, g: float, alpha: float, percent: float) -
     """Return the error of the rendered colour, and its standard error, in percent."""
     from support import plate
 
-    paths = (0.36 * (1 - asked) / asked + 0.03) / (0.01 * percent) ** 2
+    paths = (0.36 * (1 - asked) / asked + 0.15) / (0.01 * percent) ** 2
     scene = plate.scene(color.from_color_and_radius(asked, 1.0, g, eta, alpha), alpha)
     found = plate.shown(
         scene, int(paths / PASSES) + 1, PASSES, seed=round(1e4 * (eta + asked + g) + 1e3 * alpha)

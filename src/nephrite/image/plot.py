@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -38,6 +39,7 @@ _EDGE, _COLUMN, _ALONE, _ROW = (
     6.4,
     0.19,
 )  # inches: left margin, panels, a single one, row of the table
+_LETTERS = 14  # of the subtitle, in an inch
 _INK, _SOFT, _GRID = "#22242a", "#6d717a", "#e3e4e8"
 _WIDEST_ERROR = 50.0  # percent: the end of the lower panels
 _NOISIEST = 0.25  # relative standard error beyond which the truth says nothing about a ring
@@ -90,15 +92,17 @@ def profiles(panels: Sequence[Panel], title: str, subtitle: str) -> Any:
     with matplotlib.rc_context(_FONTS):
         rows = 1 + max(len(panel.lines) for panel in panels)
         width = _EDGE + _COLUMN * len(panels) if len(panels) > 1 else _ALONE
-        height = 7.0 + _ROW * rows
+        below = textwrap.wrap(subtitle, round(_LETTERS * (width - _EDGE)))
+        head = 0.88 + 0.16 * len(below)
+        height = 5.95 + head + _ROW * rows
         figure = Figure(figsize=(width, height), dpi=DPI)
         left = _EDGE / width
         grid = figure.add_gridspec(
             3, len(panels), height_ratios=(3.9, 1.55, _ROW * rows + 0.75), hspace=0.05, wspace=0.06,
-            left=left, right=1.0 - 0.2 / width, bottom=0.15 / height, top=1.0 - 1.05 / height,
+            left=left, right=1.0 - 0.2 / width, bottom=0.15 / height, top=1.0 - head / height,
         )  # fmt: skip
         figure.text(left, 1.0 - 0.34 / height, title, size=14, weight="bold", color=_INK, va="center")
-        figure.text(left, 1.0 - 0.62 / height, subtitle, size=9, color=_SOFT, va="center")
+        figure.text(left, 1.0 - 0.54 / height, "\n".join(below), size=9, color=_SOFT, va="top")
         span = min(panel.span[0] for panel in panels), max(panel.span[1] for panel in panels)
         limits = _limits(panels, span)
         for i, panel in enumerate(panels):
