@@ -12,13 +12,16 @@ import math
 from typing import Any
 
 from nephrite.physics._arrays import namespace, plain
+from nephrite.physics.fresnel import boundary_factor
+from nephrite.profiles._poles import LEAST_EXTINCTION
+from nephrite.profiles.base import Model, RadialProfile
 
-__all__ = ["StandardDipole"]
+__all__ = ["MODEL", "StandardDipole"]
 
 _NEWTON_STEPS = 4  # residual of the CDF under 2e-8
 
 
-class StandardDipole:
+class StandardDipole(RadialProfile):
     """The profile of a medium with absorption `sigma_a` and reduced scattering `sigma_s_prime`.
 
     `boundary`: the A of `nephrite.physics.fresnel.boundary_factor(eta)`. Coefficients in 1/length; floats, NumPy
@@ -28,18 +31,11 @@ class StandardDipole:
     def __init__(self, sigma_a: Any, sigma_s_prime: Any, boundary: Any) -> None:
         """Derive the depths of the poles (Jensen et al. 2001, section 2.3)."""
         xp = namespace(sigma_a, sigma_s_prime, boundary)
-        sigma_t_prime = xp.maximum(sigma_a + sigma_s_prime, 1e-20)
+        sigma_t_prime = xp.maximum(sigma_a + sigma_s_prime, LEAST_EXTINCTION)
         self.albedo_prime = plain(sigma_s_prime / sigma_t_prime)
         self.sigma_tr = plain(xp.sqrt(3.0 * sigma_a) * xp.sqrt(sigma_t_prime))
         self.z_real = plain(1.0 / sigma_t_prime)
         self.z_virtual = plain(self.z_real * (1.0 + (4.0 / 3.0) * boundary))
-
-    def map(self, function: Any) -> StandardDipole:
-        """Return the profile whose parameters are `function` of these: one channel of three, say."""
-        other = object.__new__(StandardDipole)
-        for name, value in vars(self).items():
-            setattr(other, name, function(value))
-        return other
 
     def reach(self) -> Any:
         """Length within which nearly all leaves: where the slower of the two poles' terms has fallen to 1 or 2 %."""
@@ -110,3 +106,18 @@ class StandardDipole:
         real, virtual = self._shares()
         terms = self._term(r, self.z_real) + self._term(r, self.z_virtual)
         return plain(r * terms / xp.maximum(real + virtual, 1e-30))
+
+
+def make(sigma_a: Any, sigma_s_prime: Any, eta: float, g: float = 0.0) -> StandardDipole:
+    """Build the dipole under an interface; it knows of `g` only what is in the reduced scattering."""
+    return StandardDipole(sigma_a, sigma_s_prime, boundary_factor(eta))
+
+
+MODEL = Model(
+    name="dipole",
+    title="Standard dipole",
+    source="Jensen, Marschner, Levoy, Hanrahan (2001): A practical model for subsurface light transport",
+    # They add single scattering to it; but the dipole alone sends out all that isn't absorbed
+    terms="single+multiple",
+    make=make,
+)
