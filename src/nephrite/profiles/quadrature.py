@@ -3,7 +3,7 @@
 All sums run over ln(r), evenly: 2 pi r^2 R(r) is smooth there and vanishes at both ends, so that the trapezoidal rule
 converges faster than any power of the step. Profiles that are piecewise or wild should bring closed forms.
 With Dr.Jit arrays the sums are loops of the kernel, differentiable in both modes; no table is stored, so that the
-functions work inside other recorded code.
+functions work inside other loops too, though there without derivatives (Dr.Jit 1.5 aborts on loops in loops with them).
 """
 
 from __future__ import annotations
