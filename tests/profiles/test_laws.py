@@ -72,7 +72,7 @@ def test_values_are_numbers_and_none_is_negative(make, medium):
         assert np.all(np.isfinite(values))
         assert np.all(np.asarray(values) >= 0.0)
     assert np.all(np.isfinite(profile.sample(u, u[::-1], 2.0)))
-    assert np.all(np.asarray(profile.cdf(r)) <= 1.0)
+    assert np.all(np.asarray(profile.cdf(r)) <= 1.0 + 1e-12)
     assert 0.0 <= profile.albedo() < 1.1
     assert 0.0 < profile.reach() < math.inf
     if medium[1] == 0.0:
@@ -83,7 +83,8 @@ def test_values_are_numbers_and_none_is_negative(make, medium):
 @each
 @medium
 def test_profile_falls(make, medium):
-    values = make(*medium).eval(np.geomspace(1e-4, 30.0, 300))
+    """From where a simulation tells distances apart; nearer, R is flat, or grows like a logarithm or 1/r."""
+    values = make(*medium).eval(np.geomspace(0.02, 30.0, 300))
     assert np.all(np.diff(values) <= 1e-9 * values[0])
 
 
