@@ -7,10 +7,12 @@ from typing import Annotated
 import typer
 
 from nephrite import __version__
+from nephrite.cli.atlas import atlas
 from nephrite.cli.compare import compare
 from nephrite.cli.doctor import doctor
 from nephrite.cli.errors import reporting, set_debug
 from nephrite.cli.materials import materials_command
+from nephrite.cli.profile import profile
 from nephrite.cli.render import render
 
 app = typer.Typer(
@@ -23,6 +25,8 @@ app = typer.Typer(
 app.command("render")(reporting(render))
 app.command("compare")(reporting(compare))
 app.command("materials")(reporting(materials_command))
+app.command("profile")(reporting(profile))
+app.command("atlas")(reporting(atlas))
 app.command("doctor")(reporting(doctor))
 
 
