@@ -15,7 +15,7 @@ from nephrite import llvm
 SOURCE = Path(nephrite.__file__).parent
 LAYERS = [
     {"errors"}, {"llvm"}, {"physics"}, {"materials"}, {"profiles"}, {"bssrdf"}, {"plugins"}, {"scene"}, {"image"},
-    {"rendering"}, {"cli"},
+    {"rendering"}, {"atlas"}, {"cli"},
 ]  # fmt: skip
 RANK = {name: rank for rank, layer in enumerate(LAYERS) for name in layer}
 REGISTERS = {

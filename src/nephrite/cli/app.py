@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from nephrite import __version__
+from nephrite.cli.atlas import atlas
 from nephrite.cli.compare import compare
 from nephrite.cli.doctor import doctor
 from nephrite.cli.errors import reporting, set_debug
@@ -25,6 +26,7 @@ app.command("render")(reporting(render))
 app.command("compare")(reporting(compare))
 app.command("materials")(reporting(materials_command))
 app.command("profile")(reporting(profile))
+app.command("atlas")(reporting(atlas))
 app.command("doctor")(reporting(doctor))
 
 

@@ -1,0 +1,194 @@
+"""The atlas as a page of the documentation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from statistics import fmean, median
+from typing import Any
+
+from nephrite.atlas import choice, page_planes
+from nephrite.atlas.compared import BLOCK, WORST_BLOCK
+from nephrite.atlas.figures import file_name
+from nephrite.atlas.pictures import views_of
+from nephrite.atlas.plan import Plan, View
+from nephrite.atlas.tables import interval, paragraph, percent, table, title
+from nephrite.profiles.models import MODELS
+
+__all__ = ["Made", "text"]
+
+Row = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Made:
+    """How a page came about: the command, Mitsuba's variant, minutes that all results took; where data and figures are.
+
+    `data` and `figures` are paths relative to the page; `shown` the views that have a figure.
+    """
+
+    command: str
+    variant: str
+    minutes: float
+    data: str
+    figures: str
+    shown: Sequence[View]
+
+
+def text(found: dict[str, Any], plan: Plan, made: Made) -> str:
+    """Return the page, in Markdown, for what `measure.measured` has found."""
+    parts = [_head(found, made)]
+    if found["advice"]:
+        parts.append(_advice(found))
+    if found["half_spaces"]:
+        parts.append(page_planes.half_spaces(found["half_spaces"], plan))
+    if found["slabs"]:
+        parts.append(page_planes.slabs(found["slabs"], plan))
+    if found["pictures"]:
+        parts.append(_pictures(found, plan, made))
+    return "\n\n".join(parts) + "\n"
+
+
+def _head(found: dict[str, Any], made: Made) -> str:
+    told = paragraph(
+        f"How wrong each model is, and where. Version {found['version']}, {found['date']}, made by `{made.command}` in",
+        f"`{made.variant}`; measuring took {made.minutes:.1f} minutes. All numbers are in",
+        f"[one file]({made.data}).",
+        "Errors do not depend on the machine; speeds are ratios to `walk` on the same machine. What is smaller than",
+        "twice its standard error is given as `< limit`.",
+    )
+    note = f"<!-- Made by `{made.command}`: change the code in nephrite.atlas, not this page. -->"
+    return f"# The accuracy atlas\n\n{note}\n\n{told}"
+
+
+def _advice(found: dict[str, Any]) -> str:
+    def told(one: Sequence[Any]) -> str:
+        name, error, noise, speed = one
+        return f"{title(name)} ({percent(error, noise)} %, {speed:.2g}×)"
+
+    head = (
+        "thickness", "albedo′", "least error", f"within {100 * choice.FINAL:g} %",
+        f"within {100 * choice.PREVIEW:g} %", "best without walking", "n",
+    )  # fmt: skip
+    rows = [
+        [
+            interval(*a["thickness"]), interval(*a["albedo"], most=1.0), told(a["exact"]), told(a["final"]),
+            told(a["preview"]), told(a["diffusion"]), str(a["count"]),
+        ]
+        for a in found["advice"]
+    ]  # fmt: skip
+    words = paragraph(
+        "Thickness is the mean chord of the object, 4 V / S, in reduced mean free paths; albedo′ is reduced, too; both",
+        "of a colour channel. In brackets: the error in the pictures below, and the efficiency relative to the walk",
+        '(2× takes half the time to the same noise). "Within" is for final pictures and previews: the most efficient',
+        "method whose error is within the limit, the walk if there is none. n: channels of pictures.",
+    )
+    return "\n\n".join(["## Which model should I use?", words, table(head, rows), _in_words(found)])
+
+
+def _in_words(found: dict[str, Any]) -> str:
+    rule = found["rule"]
+    limit = f"{100 * choice.FINAL:g}"
+    if rule is None:
+        return paragraph(
+            "A rule for a whole object follows from the same pictures: walk. No other model that would save time stays",
+            f"within {limit} % in all pictures of objects beyond any thickness and albedo that was looked at.",
+        )
+    return paragraph(
+        f"A rule for a whole object follows from the same pictures: `{rule['model']}` from a thickness of",
+        f"{rule['thickness']:.3g} and an albedo′ of {rule['albedo']:.3g}, in the least channel, on; else walk. In the",
+        f"{rule['views']} pictures beyond, its error is {percent(rule['worst'])} % at the most (limit: {limit} %, and",
+        f"what noise explains), its efficiency {rule['efficiency']:.2g} times the walk's.",
+    )
+
+
+def _pictures(found: dict[str, Any], plan: Plan, made: Made) -> str:
+    rows, names = found["pictures"], found["methods"]
+    views = views_of(rows)
+    width, height = plan.resolution
+    parts = [
+        "## Pictures",
+        paragraph(
+            f"{len(views)} of {len(plan.views)} views of {width} x {height} pixels: one large light at the side or",
+            "behind, no floor, no sky, and only light that has scattered inside (`single+multiple`): reflections are",
+            "the same for all. The truth is `walk` with exact exits; `walk` in the tables has the lobe. *Error* is the",
+            f"root mean square of the difference over blocks of {BLOCK} x {BLOCK} pixels and the colour channels,",
+            "divided by the truth's, with the noise of both taken out: a perfect model has 0, a black picture 100 %.",
+            f"*Worst block*: of {WORST_BLOCK} x {WORST_BLOCK} pixels, relative to its own light. *Speed*: samples a",
+            "second; *efficiency*: 1 / (relative variance x seconds); medians, relative to `walk`, of calls of",
+            f"{width * height * plan.spp // 2} samples, precomputation included.",
+            *_twins(names),
+        ),
+        _overall(rows, names),
+        "Error by object and size:",
+        _errors(rows, names, lambda row: f"{row['object']}, {row['size']:g} mm"),
+        "Error by material:",
+        _errors(rows, names, lambda row: row["material"].replace("-", " ")),
+        "Error by light:",
+        _errors(rows, names, lambda row: row["light"]),
+        "Error in every view, in percent, with standard errors:",
+        _every(rows, names, views),
+    ]
+    shown = [view for view in made.shown if view in views]
+    parts += [f"![{view}]({made.figures}/{file_name(view)})" for view in shown]
+    if shown:
+        parts.insert(
+            len(parts) - len(shown), "Maps show (model - truth) / truth in blocks of 4 x 4 pixels; blue is too dark:"
+        )  # fmt: skip
+    return "\n\n".join(parts)
+
+
+def _twins(names: Sequence[str]) -> list[str]:
+    left = [title(name) for name in MODELS if name not in names]
+    return (
+        [f"Left out, because a picture by it is the same as by another: {', '.join(left)}."] if left else []
+    )
+
+
+def _overall(rows: list[Row], names: Sequence[str]) -> str:
+    lines = []
+    for name in names:
+        own = [row for row in rows if row["method"] == name]
+        largest = max(own, key=lambda row: row["error"])
+        worst = max(own, key=lambda row: abs(row["worst"]))
+        lines.append(
+            [
+                title(name),
+                percent(fmean(row["error"] for row in own), _noise(own, "error")),
+                percent(largest["error"], largest["error_error"]),
+                percent(fmean(abs(row["bias"]) for row in own), _noise(own, "bias")),
+                f"{percent(worst['worst'], worst['worst_error'], signed=True)} ({views_of([worst])[0]})",
+                f"{median(row['rate'] for row in own):.2g}",
+                f"{median(row['efficiency'] for row in own):.2g}",
+            ]
+        )
+    head = (
+        "model", "mean error %", "largest error %", "mean error of the whole light %", "worst block %", "speed",
+        "efficiency",
+    )  # fmt: skip
+    return table(head, lines)
+
+
+def _errors(rows: list[Row], names: Sequence[str], key: Callable[[Row], str]) -> str:
+    groups = list(dict.fromkeys(key(row) for row in rows))
+    lines = []
+    for name in names:
+        cells = []
+        for group in groups:
+            own = [row for row in rows if row["method"] == name and key(row) == group]
+            cells.append(percent(fmean(row["error"] for row in own), _noise(own, "error")))
+        lines.append([title(name), *cells])
+    return table(["mean error %", *groups], lines)
+
+
+def _every(rows: list[Row], names: Sequence[str], views: Sequence[View]) -> str:
+    lines = []
+    for view in views:
+        own = {row["method"]: row for row in rows if views_of([row]) == [view]}
+        lines.append([str(view), *(percent(own[name]["error"], own[name]["error_error"]) for name in names)])
+    return table(["view", *(title(name) for name in names)], lines)
+
+
+def _noise(rows: list[Row], quantity: str) -> float:
+    """Standard error of a quantity's mean over rows."""
+    return fmean(row[f"{quantity}_error"] ** 2 for row in rows) ** 0.5 / len(rows) ** 0.5

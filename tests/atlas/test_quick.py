@@ -1,0 +1,75 @@
+"""The part of the atlas that continuous integration measures: no model is worse than recorded.
+
+`tests/atlas/recorded.json` is what `nephrite atlas --quick` wrote. Record it anew, and say why, when a model is meant
+to change. Seeds are fixed: where program and processor are the same, so are the numbers. The chance of a false alarm,
+were the seeds drawn anew, is `watch.FALSE_ALARM`, 1 in 1000, over all rows together.
+"""
+
+from __future__ import annotations
+
+import copy
+import json
+from pathlib import Path
+
+import pytest
+
+from nephrite.atlas import measure, page, watch
+from nephrite.atlas.plan import QUICK
+from nephrite.atlas.store import Store
+from nephrite.profiles.models import MODELS
+
+RECORDED = json.loads((Path(__file__).parent / "recorded.json").read_text())
+
+
+@pytest.fixture(scope="module")
+def found():
+    return measure.measured(QUICK, Store(None), tuple(MODELS))
+
+
+def test_no_model_has_become_worse(found):
+    assert watch.worse(found, RECORDED) == []
+
+
+def test_the_recorded_figures_know_every_model(found):
+    for part, key in (("half_spaces", "model"), ("slabs", "model"), ("pictures", "method")):
+        assert {row[key] for row in RECORDED[part]} == {row[key] for row in found[part]}
+
+
+def test_the_page_says_what_was_found(found):
+    made = page.Made("nephrite atlas --quick", "llvm_ad_rgb", 0.5, "data.json", "figures", QUICK.shown)
+    text = page.text(found, QUICK, made)
+    for part in ("Which model should I use?", "Half-spaces", "Slabs", "Pictures"):
+        assert f"\n## {part}\n" in text
+    for name in MODELS:
+        assert f"`{name}`" in text
+    assert found["date"] in text
+    assert found["version"] in text
+    assert "nan" not in text
+    assert "inf" not in text
+
+
+@pytest.mark.parametrize(
+    ("part", "quantity", "change"),
+    [
+        ("half_spaces", "total", 0.01),
+        ("half_spaces", "profile", 0.2),
+        ("slabs", "reflected", 0.5),
+        ("pictures", "error", 0.6),
+        ("pictures", "bias", -0.5),
+    ],
+)
+def test_a_worse_model_is_noticed(part, quantity, change):
+    assert watch.worse(RECORDED, RECORDED) == []
+    worse = copy.deepcopy(RECORDED)
+    row = worse[part][0]
+    row[quantity] += change if row[quantity] >= 0 else -change
+    (message,) = watch.worse(worse, RECORDED)
+    assert str(row.get("model", row.get("method"))) in message
+    assert watch.worse(RECORDED, worse) == []
+
+
+def test_a_row_that_is_gone_is_noticed_and_a_new_one_is_welcome():
+    fewer = {**RECORDED, "slabs": RECORDED["slabs"][1:]}
+    assert all("missing" in message for message in watch.worse(fewer, RECORDED))
+    assert len(watch.worse(fewer, RECORDED)) == 2
+    assert watch.worse(RECORDED, fewer) == []
