@@ -1,9 +1,15 @@
 """Probe rays: find the surface around a point, with a density that can be evaluated afterwards.
 
-A radius is drawn from the profile of one colour channel and projected onto the surface along one of three axes: the
-normal, more often, or one of two tangents. Every hit on the object counts that lies on the chord of a sphere
-(`half_chord`). The density of a point, per area, is that of the balance heuristic over axes and channels (King et al.
-2013; Pharr et al. 2016, section 15.4).
+A distance is drawn and projected onto the surface along one of three axes: the normal, more often, or one of two
+tangents. Every hit on the object counts. The density of a point, per area, is that of the balance heuristic over axes
+and over all that the distance may have been drawn from (King et al. 2013; Pharr et al. 2016, section 15.4).
+
+Distances are drawn as the rays from a point at the depth z, a *pole*, meet a plane: with the density
+`z / (2 pi d^3)` per area, d^2 = r^2 + z^2, which is what a dipole's terms fall off with (see `kernel`).
+
+Chords are of random length. What lies far off along an axis is dark, so that a long chord is seldom worth its rays;
+yet none may be left out, or folds and thin parts would lose their light. The length is drawn such that a point at the
+height h is reached with the probability `min(1, (a / h)^2)`; kernels fall off faster than that.
 """
 
 from __future__ import annotations
@@ -13,15 +19,10 @@ from typing import Any
 
 import drjit as dr
 
-__all__ = ["AXES", "axis", "chord", "density", "half_chord", "truncation_radius"]
+__all__ = ["AXES", "axis", "chord", "density", "distance", "reached"]
 
 AXES = (0.6, 0.2, 0.2)
 """Probability of the normal and of the two tangents."""
-
-
-def truncation_radius(profile: Any, longest: Any) -> Any:
-    """Radius r_max beyond which the profile is not searched: its reach, `longest` at the most."""
-    return dr.minimum(profile.reach(), longest)
 
 
 def axis(frame: Any, u: Any) -> tuple[Any, Any, Any]:
@@ -34,39 +35,45 @@ def axis(frame: Any, u: Any) -> tuple[Any, Any, Any]:
     return along, across, other
 
 
-def half_chord(r: Any, r_max: Any, z: Any) -> Any:
-    """Height above and below the tangent plane, at the radius `r`, within which points are looked for.
+def distance(z: Any, u: Any) -> Any:
+    """Distance in the plane, for a uniform number, of the ray from a pole at the depth `z`."""
+    cosine = 1.0 - u
+    return z * dr.sqrt(dr.maximum(1.0 / (cosine * cosine) - 1.0, 0.0))
 
-    Half the chord of the sphere of radius `r_max`, but `3 r + 2 z` at the most, with `z` the depth of the profile's
-    deeper pole: long rays are slow, and what is much farther off along one axis is nearer to another one's plane.
+
+def reached(height: Any, r: Any, core: Any) -> Any:
+    """Probability that the chord at the distance `r` reaches the height: `min(1, (a / h)^2)`, a = r + core.
+
+    `core`: a length of the order of the reduced mean free path, within which kernels are nearly even.
     """
-    return dr.minimum(dr.sqrt(dr.maximum(r_max * r_max - r * r, 0.0)), 3.0 * r + 2.0 * z)
+    near = (r + core) / dr.maximum(dr.abs(height), 1e-20)
+    return dr.minimum(near * near, 1.0)
 
 
-def chord(p: Any, axes: tuple[Any, Any, Any], r: Any, half: Any, u: Any) -> tuple[Any, Any, Any]:
-    """Return (origin, direction, length) of the probe ray at the radius `r` around `p`, at the angle 2 pi u."""
+def chord(p: Any, axes: tuple[Any, Any, Any], r: Any, core: Any, u: Any, v: Any) -> tuple[Any, Any, Any]:
+    """Return (origin, direction, length) of the projection at the distance `r` from `p`.
+
+    Its angle is 2 pi u; its length follows `reached` for the uniform number `v`.
+    """
     along, across, other = axes
     sine, cosine = dr.sincos(2.0 * math.pi * u)
+    half = (r + core) * dr.rsqrt(1.0 - v)
     origin = p + r * (across * cosine + other * sine) + half * along
     return origin, -along, 2.0 * half
 
 
-def density(profile: Any, frame: Any, offset: Any, normal: Any, r_max: Any) -> Any:
+def density(poles: list[tuple[Any, Any]], frame: Any, offset: Any, normal: Any, core: Any) -> Any:
     """Density per area with which the probe finds the point at `offset` with the surface normal `normal`.
 
-    One number for each channel of `profile` as the one that the radius was drawn for; `r_max`: its truncation radius.
-    The density of a radius is `pdf(r) / cdf(r_max)`; over the circle, per area of the plane, it is divided by 2 pi r.
+    `poles`: (depth, probability) of all that the distance may be drawn from, in all channels.
     """
-    total = 0.0
-    within = dr.maximum(profile.cdf(r_max), 1e-20)
-    distance2 = dr.squared_norm(offset)
-    for along, probability in zip((frame.n, frame.s, frame.t), AXES, strict=True):
+    total, squared = 0.0, dr.squared_norm(offset)
+    for along, share in zip((frame.n, frame.s, frame.t), AXES, strict=True):
         height = dr.dot(offset, along)
-        r = dr.sqrt(dr.maximum(distance2 - height * height, 1e-20))
-        flat = profile.pdf(r) / (2.0 * math.pi * r * within)
-        total += (
-            probability
-            * dr.abs(dr.dot(normal, along))
-            * dr.select(dr.abs(height) <= half_chord(r, r_max, profile.z_virtual), flat, 0.0)
-        )
-    return total
+        r2 = dr.maximum(squared - height * height, 0.0)
+        flat = 0.0
+        for z, probability in poles:
+            inverse = dr.rsqrt(dr.maximum(r2 + z * z, 1e-20))
+            flat += probability * z * (inverse * inverse * inverse)
+        total += share * dr.abs(dr.dot(normal, along)) * reached(height, dr.sqrt(r2), core) * flat
+    return total * (0.5 / math.pi)

@@ -107,7 +107,7 @@ Alpha = Annotated[
 Model = Annotated[
     str | None,
     typer.Option(
-        help="walk (if not given), auto, dipole or brdf.",
+        help="walk (if not given), auto, brdf, or a diffusion model such as dipole, photon_beam or tabulated.",
         metavar="MODEL",
         parser=choice("model", _models),
     ),

@@ -29,6 +29,9 @@ DENSE = 400.0
 LIGHT = 0.95
 """Reduced albedo, in the darkest channel, from which the dipole's total is right within a few per cent."""
 
+DIFFUSION = "dipole"
+"""The model that takes over there."""
+
 _NAMES = {WALK: "walk", JUMP: "dipole", LOCAL: "brdf", LOW: "walk, up to single scattering"}
 _POINTS = 256
 
@@ -44,12 +47,12 @@ class Choice:
 
 def choose(model: str, media: Any, scene: Any) -> list[Choice]:
     """Set the model of every material of `media`; return what was chosen for which."""
-    fixed = {"walk": WALK, "dipole": JUMP, "brdf": LOCAL}
-    if model in fixed:
-        media.set_models([fixed[model]] * len(media.entries))
+    if model != "auto":
+        fixed = {"walk": WALK, "brdf": LOCAL}.get(model, JUMP)
+        media.set_models([fixed] * len(media.entries), model)
         return [Choice(entry.name, model, "as asked for") for entry in media.entries]
     chosen = [_choose(entry) for entry in media.entries]
-    media.set_models([code for code, _ in chosen])
+    media.set_models([code for code, _ in chosen], DIFFUSION)
     choices = [
         Choice(entry.name, _NAMES[code], reason)
         for entry, (code, reason) in zip(media.entries, chosen, strict=True)

@@ -17,7 +17,12 @@ import numpy as np
 from nephrite.bssrdf import lobe
 from nephrite.errors import ParameterError
 from nephrite.physics import fresnel
+from nephrite.physics.color import ColorMap, color_map
 from nephrite.physics.single import single_scattering_share
+from nephrite.plugins import directional
+from nephrite.plugins.crowding import Crowding
+from nephrite.plugins.directional import Directional
+from nephrite.plugins.kernels import Kernels
 
 WALK, JUMP, LOCAL, LOW = range(4)
 """What is computed under a surface."""
@@ -62,6 +67,11 @@ class Entry:
         return fresnel.boundary_factor(self.eta)
 
     @property
+    def colors(self) -> ColorMap:
+        """What a thick flat piece sends out."""
+        return self.bsdf.colors if self.bsdf is not None else color_map(self.eta, self.g)
+
+    @property
     def single_share(self) -> float:
         """Share of light that leaves after one event, per albedo."""
         return single_scattering_share(self.g, self.eta)
@@ -69,6 +79,11 @@ class Entry:
     def reach(self) -> float:
         """Longest diagonal of the bounding boxes of its shapes."""
         return max(self.least_reach, *(float(dr.norm(shape.bbox().extents())) for shape in self.shapes))
+
+    @property
+    def varies(self) -> bool:
+        """Whether the coefficients differ from point to point."""
+        return self.bsdf is not None and self.bsdf.varies
 
     @property
     def emits(self) -> bool:
@@ -95,29 +110,33 @@ class Media:
         self.normalization = _column([one.normalization for one in lobes], 1.0)
         self.m2 = _column([one.m2 for one in lobes], 1.0)
         self.m4 = _column([one.m4 for one in lobes], 2.0)
-        self.boundary = _column([entry.boundary for entry in entries], 1.0)
         self.reach = _column([entry.reach() for entry in entries], 0.0)
         self.single_share = _column([e.single_share for e in entries], 0.0)
         self.rough = _column([float(entry.surface is not None) for entry in entries], 0.0)
         self.any_rough = any(entry.surface is not None for entry in entries)
+        self.any_varying = any(entry.varies for entry in entries)
         self.any_emission = any(entry.emits for entry in entries)
         dr.eval(self._of_shape)
-        self.set_kept([1.0] * len(entries))
         self.set_models([WALK] * len(entries))
 
-    def set_models(self, models: list[int]) -> None:
-        """Set what is computed under each material's surface: `WALK`, `JUMP`, `LOCAL` or `LOW`."""
+    def set_models(self, models: list[int], diffusion: str = "dipole") -> None:
+        """Set what is computed under each material's surface: `WALK`, `JUMP`, `LOCAL` or `LOW`.
+
+        `diffusion`: the model whose kernel jumps follow: of `nephrite.profiles.models`, or a directional one.
+        """
         self.models = models
         self._model = mi.UInt32([WALK, *models])
         dr.eval(self._model)
         self.any_jump, self.any_local, self.any_low = JUMP in models, LOCAL in models, LOW in models
-
-    def set_kept(self, factors: list[float]) -> None:
-        """Set the factor on each material's jumps; see `conserve`."""
-        self.kept = _column(factors, 1.0)
+        self.diffusion = diffusion
+        by_direction = diffusion in directional.MODELS
+        self.directional: Any = Directional(self.entries, diffusion) if by_direction else None
+        radial = "dipole" if by_direction else diffusion
+        self.kernels: Any = Kernels(self.entries, radial) if self.any_jump else None
+        self.crowding = Crowding(len(self.entries))
 
     def jumps(self, number: Any) -> Any:
-        """Whether the dipole takes over from the walk at its second event."""
+        """Whether a diffusion model takes over from the walk at its second event."""
         return dr.gather(mi.UInt32, self._model, number) == JUMP
 
     def local(self, number: Any) -> Any:
@@ -162,6 +181,24 @@ class Media:
             a, s = entry.coefficients(si, mine)
             sigma_a, sigma_s = dr.select(mine, a, sigma_a), dr.select(mine, s, sigma_s)
         return sigma_a, sigma_s
+
+    def shown(self, number: Any, sigma_a: Any, sigma_s: Any) -> Any:
+        """Return the share of the light that has entered which a thick flat piece sends out, per channel."""
+        result = mi.Spectrum(0.0)
+        for i, entry in enumerate(self.entries, start=1):
+            result = dr.select(number == i, entry.colors.of_coefficients(sigma_a, sigma_s), result)
+        return result
+
+    def crowded(self, number: Any, a: Any, b: Any) -> Any:
+        """Return the crowding's logarithm to base 2 at that end of a jump where it is greater, per channel."""
+        return dr.maximum(self.crowding.logarithm(number, a), self.crowding.logarithm(number, b))
+
+    def other_end(self, number: Any, si: Any, active: Any) -> Any:
+        """Return where to look for the kernel at `si`, None if no material's coefficients vary."""
+        if not self.any_varying:
+            return None
+        sigma_a, sigma_s = self.coefficients(number, si, active)
+        return self.kernels.place(number, sigma_a, sigma_s, self.lookup(self.g, number))
 
     def emitted(self, number: Any, si: Any, active: Any) -> Any:
         """Return the volumetric emission per scene unit of each lane's material, read at `si`."""

@@ -80,6 +80,11 @@ class Scaled:
         """Hold both."""
         self.texture, self.scale = texture, scale
 
+    @property
+    def varies(self) -> bool:
+        """Whether it differs from point to point."""
+        return self.texture.is_spatially_varying()
+
     def eval(self, si: Any, active: Any) -> Any:
         """Evaluate at a surface interaction."""
         return self.texture.eval(si, active) * self.scale

@@ -18,7 +18,6 @@ from nephrite.physics import phase
 from nephrite.plugins import channels, interface, jump
 from nephrite.plugins.media import Media
 from nephrite.plugins.settings import Settings
-from nephrite.profiles import StandardDipole
 
 ROULETTE_SHARE = 0.05  # of a walk's light, below which its roulette begins
 
@@ -79,10 +78,11 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
     entered = mi.Float(0)                               # Light at entry
     entry_p = mi.Point3f(0)                             # Where the path has entered,
     entry_n = mi.Vector3f(0, 0, 1)                      # the outward normal there,
+    entry_w = mi.Vector3f(0, 0, 1)                      # where it came from (for directional models),
     entry_side = mi.Float(1)                            # and whether the shape's normals point outward (1) or in (-1)
     reach = mi.Float(0)                                 # Length of the shape's bounding box
     cut, started = mi.Float(0), mi.Float(0)             # Light in walks that were cut short, and in all
-    search = jump.idle() if media.any_jump else None    # The dipole's probe
+    search = jump.idle() if media.any_jump else None    # The probe
     # fmt: on
 
     while dr.hint(active, label="translucent_path"):
@@ -143,26 +143,20 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
         if dr.hint(media.any_low, mode="scalar"):
             dead |= scatters & (events > 1) & media.low(within)
 
-        # --- Jump: at the second event the dipole takes over, and looks for where the light comes out -----------------
+        # --- Jump: at the second event a diffusion model takes over, and looks for where the light comes out ----------
         jumps = mi.Bool(False)
         if dr.hint(media.any_jump, mode="scalar"):
             jumps = scatters & (events == 2) & media.jumps(within) & ~dead
             if jumps:
-                profile = StandardDipole(
-                    sigma_t - sigma_s, sigma_s * (1 - g), media.lookup(media.boundary, within)
-                )
-                albedo = sigma_s / dr.maximum(sigma_t, 1e-30)
-                scale = jump.conditional_scale(profile, albedo, media.lookup(media.single_share, within))
-                β = mi.Spectrum(weight * scale * media.lookup(media.kept, within))
+                share = media.lookup(media.single_share, within)
+                β = mi.Spectrum(weight / jump.arriving(sigma_s / dr.maximum(sigma_t, 1e-30), share))
                 ratio = channels.solo(β)
-                search, start, along_chord = jump.begin(profile, entry_p, entry_n, β, longest, sampler, jumps)
-                ray.o, ray.d = start, along_chord
-                dead |= ~search.active
+                place = media.kernels.place(within, sigma_t - sigma_s, sigma_s, g)
+                search, start, looking = jump.begin(media.kernels, place, entry_p, entry_n, β, sampler, jumps)
+                ray.o, ray.d = start, looking
 
-        within, within_shape = (
-            dr.select(escapes, outer, within),
-            dr.select(escapes, outer_shape, within_shape),
-        )
+        within = dr.select(escapes, outer, within)
+        within_shape = dr.select(escapes, outer_shape, within_shape)
         outer, outer_shape = dr.select(escapes, 0, outer), dr.select(escapes, 0, outer_shape)
         stays = scatters | escapes | dead
         reaches = active & ~stays & ~searching
@@ -176,12 +170,11 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             if dr.hint(media.any_jump, mode="scalar"):
                 if searching:
                     counts = searching & si.is_valid() & (identity == within_shape)
-                    profile = StandardDipole(
-                        sigma_t - sigma_s, sigma_s * (1 - g), media.lookup(media.boundary, within)
-                    )
+                    place = media.kernels.place(within, sigma_t - sigma_s, sigma_s, g)
                     search = jump.visit(
-                        search, profile, si, entry_p, entry_n, sampler.next_1d(counts), counts
-                    )
+                        search, media.kernels, place, media.other_end(within, si, counts),
+                        media.crowded(within, entry_p, si.p), si, entry_p, entry_n, β, sampler.next_1d(counts), counts,
+                    )  # fmt: skip
                     ray.o = jump.advance(search, si, ray, searching)
                     search.active &= si.is_valid()
                     landed = searching & ~search.active & (search.total > 0)
@@ -249,12 +242,8 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                 local = enters & media.local(number)
                 if local:
                     absorbed, scattered = media.coefficients(number, si, local)
-                    mean_cosine = media.lookup(media.g, number)
-                    boundary = media.lookup(media.boundary, number)
                     landing_n = outward
-                    landing_weight = mi.Spectrum(
-                        StandardDipole(absorbed, scattered * (1 - mean_cosine), boundary).albedo()
-                    )
+                    landing_weight = mi.Spectrum(media.shown(number, absorbed, scattered))
                     order += 2
                 landed |= local
                 dead |= local & ~_may_go_on(s, order)
@@ -277,6 +266,10 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                 cos_exit = dr.maximum(spread.z, 1e-6)
                 out = lobe.pdf(cos_exit, mi.fresnel(cos_exit, eta_exit)[0], normalization)
                 β = weight * landing_weight * out / chosen
+                if dr.hint(media.directional is not None, mode="scalar"):
+                    β *= media.directional.ratio(
+                        within, sigma_t - sigma_s, sigma_s, entry_p, entry_n, entry_w, at.p, normal, direction
+                    )
                 ratio = channels.solo(β)
                 weight = weight * landing_weight
             cos_out = dr.dot(direction, normal)
@@ -307,6 +300,10 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                         media.lookup(media.m4, from_number), linear, quadratic,
                     )  # fmt: skip
                     value = mi.Spectrum(pdf * dr.select(landed, 1, seen))
+                    if dr.hint(media.directional is not None, mode="scalar"):
+                        value *= dr.select(landed, media.directional.ratio(
+                            within, sigma_t - sigma_s, sigma_s, entry_p, entry_n, entry_w, at.p, normal, ds.d
+                        ), 1)  # fmt: skip
                 mis = dr.select(ds.delta, 1, _balance(ds.pdf, pdf))
                 L[ds.pdf > 0] += weight * value * light * mis
 
@@ -348,6 +345,8 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                     channel, β, ratio = channels.lead(β, sampler.next_1d())
                     events, steps = mi.UInt32(0), mi.UInt32(0)
                     entry_p, entry_n = si.p, outward
+                    if dr.hint(media.directional is not None, mode="scalar"):
+                        entry_w = -ray.d
                     reach = media.lookup(media.reach, within)
                     entry_side = dr.select(dr.dot(si.n, outward) > 0, mi.Float(1), mi.Float(-1))
             depth[opaque | (crossing & reflects & ~leaving)] += 1

@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from nephrite.errors import ParameterError, unknown_name
+from nephrite.plugins import directional
+from nephrite.profiles import models
 
-MODELS = ("walk", "dipole", "brdf", "auto")
+MODELS = ("walk", "brdf", "auto", *models.MODELS, *directional.MODELS)
 EXITS = ("lobe", "exact")
 TERMS = ("reduced", "single", "multiple")
 NO_LIMIT = 0xFFFFFFFF

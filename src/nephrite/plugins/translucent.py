@@ -8,9 +8,9 @@ import drjit as dr
 import mitsuba as mi
 
 from nephrite.bssrdf import lobe
-from nephrite.physics import fresnel, inversion
+from nephrite.physics import inversion
+from nephrite.physics.color import color_map
 from nephrite.plugins import parameters
-from nephrite.profiles import StandardDipole
 
 
 class Translucent(mi.BSDF):
@@ -28,7 +28,8 @@ class Translucent(mi.BSDF):
        - Instead: absorption and scattering coefficients in 1/mm. Unbounded.
      * - albedo, radius
        - |spectrum| or |texture|
-       - Instead: diffuse colour of a thick piece, and reduced mean free path in mm, per channel.
+       - Instead: colour that a thick piece shows under its surface (1: no absorption), and reduced mean free path in
+         mm, per channel.
      * - g
        - |float|
        - Mean cosine of the Henyey-Greenstein phase function, in (-1, 1). (Default: the material's, or 0) A named
@@ -47,7 +48,7 @@ class Translucent(mi.BSDF):
        - Radiance that the medium emits per mm: the Q of the radiative transfer equation. (Default: none)
 
     Under any of Mitsuba's own integrators this is the *local* approximation of subsurface scattering: light leaves
-    where it entered, with the diffuse reflectance of the standard dipole, under the dielectric surface. Under
+    where it entered, as much of it as a thick flat piece sends out, under the dielectric surface. Under
     :monosp:`translucent_path` the same material is rendered as the volume that it is.
 
     Textures of coefficients are read where light enters, and hold for the whole walk from there.
@@ -64,7 +65,7 @@ class Translucent(mi.BSDF):
         self.name, self.g, self.eta, self.alpha, self.unit = p.name, p.g, p.eta, p.alpha, p.unit
         self.first, self.second, self.by_color, self.emission = p.first, p.second, p.by_color, p.emission
         self.lobe = lobe.exit_lobe(self.eta)
-        self.boundary = fresnel.boundary_factor(self.eta)
+        self.colors = color_map(self.eta, self.g, self.alpha)
         self.interface = None
         if self.alpha > 0 and self.eta != 1:
             self.interface = mi.load_dict(
@@ -84,18 +85,23 @@ class Translucent(mi.BSDF):
         second = dr.maximum(self.second.eval(si, active), 0.0)
         if self.by_color:
             extinction = 1.0 / dr.maximum(second, inversion.MIN_RADIUS)
-            reduced = extinction * inversion.dipole_albedo(dr.minimum(first, 1.0), self.eta)
-            first, second = extinction - reduced, reduced / (1.0 - self.g)
+            falloff = self.colors.falloff(dr.minimum(first, 1.0))
+            absorbed = extinction * dr.minimum(falloff * falloff * (1.0 / 3.0), 1.0)
+            first, second = absorbed, (extinction - absorbed) / (1.0 - self.g)
         return first * self.unit, second * self.unit
+
+    @property
+    def varies(self) -> bool:
+        """Whether the coefficients differ from point to point."""
+        return self.first.varies or self.second.varies
 
     def emitted(self, si: Any, active: Any) -> Any:
         """Return the volumetric emission per scene unit at a surface interaction."""
         return self.emission.eval(si, active) * self.unit if self.emission is not None else mi.Spectrum(0.0)
 
     def diffuse_reflectance(self, si: Any, active: Any) -> Any:
-        """Return the share of the light that has entered which leaves again: the dipole's total, in [0, 1]."""
-        sigma_a, sigma_s = self.coefficients(si, active)
-        return StandardDipole(sigma_a, sigma_s * (1.0 - self.g), self.boundary).albedo()
+        """Return the share of the light that has entered which leaves a thick flat piece again, in [0, 1]."""
+        return self.colors.of_coefficients(*self.coefficients(si, active))
 
     def _glossy(self, si: Any, wo: Any, active: Any) -> tuple[Any, Any]:
         """Return value and density of the rough surface's reflection; nothing for a smooth one."""

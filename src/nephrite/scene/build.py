@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nephrite.errors import ParameterError, unknown_name
+from nephrite.plugins.settings import MODELS
 from nephrite.scene import camera, lights
 from nephrite.scene.files import mesh_plugin
 from nephrite.scene.translucent import translucent_shapes
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
     from nephrite.materials import Material
     from nephrite.scene.triangles import TriangleMesh
 
-MODELS = ("walk", "auto", "dipole", "brdf")
 EXITS = ("lobe", "exact")
 TERMS = ("reduced", "single", "multiple")
 OPTIMIZE = False  # Mitsuba's merging puts lights in an order that differs each time, and so does the noise
