@@ -24,7 +24,7 @@ from typing import Any, NoReturn
 
 from nephrite.errors import ParameterError, unknown_name
 from nephrite.materials.material import Material, key
-from nephrite.physics.inversion import from_albedo_and_radius
+from nephrite.physics.color import from_color_and_radius
 from nephrite.physics.medium import Medium, rgb
 
 if sys.version_info >= (3, 11):
@@ -107,7 +107,7 @@ def _material(name: str, table: Mapping[str, Any], where: str) -> Material:
     else:
         _require(table, APPEARANCE)
         radius = [length * value for value in rgb(table["radius"], "radius")]
-        medium = from_albedo_and_radius(table["albedo"], radius, g, eta)
+        medium = from_color_and_radius(table["albedo"], radius, g, eta, name="albedo")
     emission = [value / length for value in rgb(table.get("emission", 0.0), "emission")]
     texts = {entry: table[entry] for entry in ("kind", "note") if entry in table}
     source = table.get("source", where)

@@ -10,7 +10,8 @@ lost from inside, where light meets the surface again and again: no medium under
 
 A map is computed when first needed, in some 10 ms (50 ms if rough), by discrete ordinates for 20 albedos, and kept as
 two polynomials. It has no noise. From a colour of .02 on, its error is below .001 of the colour for an index of .7 to 2
-and g from -.9 to .99, and below .003 up to 2.5. Textures go through it for some twenty multiplications.
+and g from -.5 to .99, below .002 at g = -.9, and below .003 up to an index of 2.5. Textures go through it for some
+twenty multiplications.
 """
 
 from __future__ import annotations
@@ -91,6 +92,13 @@ class ColorMap:
         xp = namespace(albedo_prime)
         return self.color_of_falloff(xp.sqrt(3.0 * xp.maximum(1.0 - albedo_prime, 0.0)))
 
+    def of_coefficients(self, sigma_a: Any, sigma_s: Any) -> Any:
+        """Return the surface colour for absorption and scattering (*not* reduced), in any common unit."""
+        xp = namespace(sigma_a, sigma_s)
+        extinction = xp.maximum(sigma_a + sigma_s * (1.0 - self.g), 1e-20)
+        absorbed = xp.select(sigma_s > 0.0, xp.minimum(sigma_a / extinction, 1.0), 1.0)
+        return plain(self.color_of_falloff(xp.sqrt(3.0 * absorbed)))
+
 
 def color_to_albedo(color: Any, eta: float, g: float = 0.0, alpha: float = 0.0) -> Any:
     """Return the *reduced* albedo in [0, 1] of the medium that shows this surface colour (see the module's text).
@@ -107,28 +115,28 @@ def albedo_to_color(albedo_prime: Any, eta: float, g: float = 0.0, alpha: float 
 
 
 def from_color_and_radius(
-    color: Any, radius: Any, g: float = 0.0, eta: float = 1.3, alpha: float = 0.0
+    color: Any, radius: Any, g: float = 0.0, eta: float = 1.3, alpha: float = 0.0, name: str = "color"
 ) -> Medium:
     """Build the medium whose thick flat piece shows this colour, with this mean free path.
 
     `color`: surface colour (see the module's text), one number or RGB in [0, 1]; 1 means no absorption, 0 no
     scattering. `radius`: reduced mean free path `1 / sigma_t'` in mm, one number or RGB, >= 0; anything below
     `MIN_RADIUS`, 0 included, becomes `MIN_RADIUS`, which looks like a diffuse surface. `g`, `eta` as in `Medium`;
-    `alpha`: GGX roughness of the surface. Raises `ParameterError` for anything outside these ranges, and for a colour
-    lighter than a surface so rough can show.
+    `alpha`: GGX roughness of the surface. `name`: what errors call the colour. Raises `ParameterError` for anything
+    outside these ranges, and for a colour lighter than a surface so rough can show.
     """
     from nephrite.physics.medium import rgb
 
-    colors = rgb(color, "color")
+    colors = rgb(color, name)
     if max(colors) > 1.0:
         raise ParameterError(
-            f"color is {color!r}: no surface reflects more than it receives; each channel lies in [0, 1] "
+            f"{name} is {color!r}: no surface reflects more than it receives; each channel lies in [0, 1] "
             "(divide 8 bit colours by 255 and decode sRGB)."
         )
     of = color_map(eta, g, alpha)
     if max(colors) > of.reach:
         raise ParameterError(
-            f"color is {color!r}, but a surface of index {of.eta:g} and roughness {of.alpha:g} cannot be lighter "
+            f"{name} is {color!r}, but a surface of index {of.eta:g} and roughness {of.alpha:g} cannot be lighter "
             f"than {of.reach:.3f}: its microfacets lose the rest. Take a darker colour, or a smaller alpha."
         )
     return medium_from_falloff([of.falloff(channel) for channel in colors], radius, of.g, of.eta)
