@@ -31,7 +31,7 @@ __all__ = ["MODEL", "TabulatedProfile"]
 _X_MIN = math.log(tabulated_shape.R_MIN)
 _COLUMNS = tabulated_grid.CELLS + 3
 _EDGES = tabulated_grid.CELLS + 1
-_LEAST_ABSORBED = 1e-9  # of the light in an event; less than that has no gradient
+_LEAST_ABSORBED = 1e-12  # of the light in an event; less than that has no derivative
 
 
 class TabulatedProfile(RadialProfile):
