@@ -94,7 +94,7 @@ def test_commands_parse(page: Path) -> None:
         for name in filter(None, names):
             if name != "NAME":
                 materials.find(name)
-        assert set(lists(given.get("models"))) <= set(build.MODELS), line
+        assert set(lists(given.get("models"))) <= {*build.MODELS, "all"}, line
         for terms in lists(given.get("terms")) if "compare" in line else []:
             build.check_terms(terms)
 

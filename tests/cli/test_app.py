@@ -15,7 +15,7 @@ from nephrite.cli.app import app
 from nephrite.errors import MeshError, ParameterError
 
 # Mitsuba itself is loaded with the package, which makes its plugins known to it.
-SLOW = ("trimesh", "scipy", "PIL", "pyoidn", "pymeshfix")
+SLOW = ("trimesh", "scipy", "PIL", "pyoidn", "pymeshfix", "matplotlib")
 
 
 def test_the_version_is_printed() -> None:
@@ -23,7 +23,7 @@ def test_the_version_is_printed() -> None:
     assert (result.exit_code, result.output.strip()) == (0, f"nephrite {__version__}")
 
 
-@pytest.mark.parametrize("command", ["render", "compare", "materials", "doctor"])
+@pytest.mark.parametrize("command", ["render", "compare", "materials", "profile", "atlas", "doctor"])
 def test_every_command_has_help(command: str) -> None:
     result = CliRunner().invoke(app, [command, "--help"])
     assert result.exit_code == 0

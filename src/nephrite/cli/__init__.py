@@ -1,4 +1,4 @@
-"""The command line: `nephrite render | compare | materials | doctor`."""
+"""The command line: `nephrite render | compare | materials | profile | atlas | doctor`."""
 
 from __future__ import annotations
 
