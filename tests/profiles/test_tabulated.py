@@ -103,6 +103,28 @@ def test_normal_light_is_what_scattered_once_and_more_often():
     assert once[0] == pytest.approx(once[20], rel=0.1)
 
 
+def test_within_the_first_radius_light_is_even():
+    profile = TabulatedProfile(0.2, 0.8, 1.3, 0.9, "normal", "all")
+    r = tabulated_shape.R_MIN * np.array([0.25, 0.5, 1.0])
+    np.testing.assert_allclose(profile.cdf(r) / profile.cdf(r[-1]), [1 / 16, 1 / 4, 1.0], rtol=1e-6)
+    np.testing.assert_allclose(profile.eval(r), profile.eval(r[-1]), rtol=1e-9)
+
+
+def test_nodes_are_met_and_cubics_between_them():
+    """What weighs the table's nodes in eta and ln(1 - g) interpolates, and is exact for cubic polynomials."""
+    table = tabulated_shape.load()
+    for j, k in ((0, 0), (3, 2), (7, 6)):
+        multiple, single, _ = table.at(table.eta[j], table.g[k], "normal")
+        np.testing.assert_allclose(multiple, table.multiple[1, j, k], atol=1e-9)
+        np.testing.assert_allclose(single, table.single[1, j, k], atol=1e-9)
+    grid_eta, grid_g = table.eta[:, None], np.log(1.0 - table.g)
+    values = (grid_eta**3 - grid_g**2 + grid_eta * grid_g)[None, :, :, None]
+    shapes = tabulated_shape.Shapes(table.eta, table.g, values[..., None], values)
+    eta, g = 1.27, 0.6
+    expected = eta**3 - math.log(1.0 - g) ** 2 + eta * math.log(1.0 - g)
+    assert shapes.at(eta, g, "diffuse")[1] == pytest.approx(expected)
+
+
 def test_reach_holds_nearly_all():
     for eta in (1.0, 1.5):
         profile = TabulatedProfile(1.0 - WHITES, WHITES, eta)
