@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import copy
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from nephrite.atlas import measure, page, watch
+from nephrite.atlas import choice, measure, page, watch
 from nephrite.atlas.plan import QUICK
 from nephrite.atlas.store import Store
 from nephrite.profiles.models import MODELS
@@ -37,7 +38,9 @@ def test_the_recorded_figures_know_every_model(found):
 
 def test_the_page_says_what_was_found(found):
     made = page.Made("nephrite atlas --quick", "llvm_ad_rgb", 0.5, "data.json", "figures", QUICK.shown)
-    text = page.text(found, QUICK, made)
+    assert "efficiency" not in page.text(found, QUICK, made), "a few small pictures say nothing about it"
+    whole = {**found, "advice": choice.advice(found["pictures"]), "rules": []}
+    text = page.text(whole, replace(QUICK, timed=True), made)
     for part in ("Which model should I use?", "Half-spaces", "Slabs", "Pictures"):
         assert f"\n## {part}\n" in text
     for name in MODELS:

@@ -23,6 +23,7 @@ ALBEDOS = (0.0, 0.9, 0.99, 1.0)
 """Limits of the table's cells: mean chord in reduced mean free paths, reduced albedo."""
 
 _NOISY = 0.1  # a channel whose standard error is above this says nothing
+_FEWEST = 6  # pictures that a rule must rest on
 _SURE = 2.0  # standard errors by which an error must be above a limit to be held against a model
 _WALKS = ("walk", TRUTH)
 
@@ -117,8 +118,8 @@ def _fastest(best: dict[str, Score], limit: float) -> Score:
 def rule(rows: list[Row], limit: float = FINAL) -> dict[str, Any] | None:
     """Return the `Rule` that saves most time, as a dictionary; None if nothing but the walk is within the limit.
 
-    A rule is a model and two thresholds such that no picture beyond both is further off than `limit`, by more than
-    noise explains. The time saved is the sum of the logarithms of the efficiencies.
+    A rule is a model and two thresholds such that none of at least `_FEWEST` pictures beyond both is further off than
+    `limit`, by more than noise explains. The time saved is the sum of the logarithms of the efficiencies.
     """
     found: tuple[float, Rule] | None = None
     for name in dict.fromkeys(row["method"] for row in rows):
@@ -131,7 +132,9 @@ def rule(rows: list[Row], limit: float = FINAL) -> dict[str, Any] | None:
                 beyond = [
                     row for row in own if min(row["thickness"]) >= depth and min(row["albedo"]) >= lightness
                 ]
-                if not beyond or any(row["error"] - _SURE * row["error_error"] > limit for row in beyond):
+                if len(beyond) < _FEWEST or any(
+                    row["error"] - _SURE * row["error_error"] > limit for row in beyond
+                ):
                     continue
                 saved = sum(math.log(max(row["efficiency"], 1e-9)) for row in beyond)
                 if saved > 0.0 and (found is None or saved > found[0]):

@@ -13,6 +13,7 @@ from nephrite.atlas.compared import MAP_BLOCK, Estimate, block_map
 from nephrite.atlas.pictures import TRUTH, estimate, rendered
 from nephrite.atlas.plan import Plan, View
 from nephrite.atlas.store import Store
+from nephrite.atlas.tables import percent
 from nephrite.atlas.views import Loader
 from nephrite.image import figure, write
 
@@ -48,7 +49,9 @@ def draw(
         row = of_view[name]
         images.append(estimate(cells[name]).mean.astype(np.float32))
         labels.append(name.replace("_", " "))
-        captions.append(f"error {_percent(row['error'])}, mean {100 * row['bias']:+.0f} %")
+        captions.append(
+            f"error {percent(row['error'], row['error_error'])} %, mean {100 * row['bias']:+.0f} %"
+        )
     noisy = Estimate(truth.mean + truth.noise_of_blocks(MAP_BLOCK), truth.error)
     images.append(figure.heat_map(block_map(noisy, truth, mask), _LIMIT))
     labels.append("noise of the truth")
@@ -62,7 +65,3 @@ def draw(
     )
     folder.mkdir(parents=True, exist_ok=True)
     return write.save(folder / file_name(view), sheet, {"view": str(view)})
-
-
-def _percent(fraction: float) -> str:
-    return f"{100 * fraction:.0f} %"

@@ -24,7 +24,7 @@ def measured(plan: Plan, store: Store, models: tuple[str, ...]) -> dict[str, Any
     """Measure what the plan asks for; a variant must be set.
 
     Returns `version`, `date`, `methods`, rows of `half_spaces` (`planes.HalfSpace`), `slabs` (`planes.Slab`) and
-    `pictures` (`pictures.Picture`), and what follows from them: `advice` and `rule` (`choice`). What there was no time
+    `pictures` (`pictures.Picture`), and what follows from them: `advice` and `rules` (`choice`). What there was no time
     for is left out.
     """
     found: dict[str, Any] = {
@@ -39,7 +39,9 @@ def measured(plan: Plan, store: Store, models: tuple[str, ...]) -> dict[str, Any
             found[name] = []
     rows = pictures.pictures(plan, store, tuple(found["methods"]))
     found["pictures"] = rows
-    found["advice"], found["rule"] = choice.advice(rows), choice.rule(rows)
+    limits = (choice.FINAL, choice.PREVIEW) if plan.timed else ()
+    found["advice"] = choice.advice(rows) if plan.timed else []
+    found["rules"] = [one for limit in limits if (one := choice.rule(rows, limit))]
     return found
 
 

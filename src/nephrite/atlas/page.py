@@ -87,19 +87,23 @@ def _advice(found: dict[str, Any]) -> str:
 
 
 def _in_words(found: dict[str, Any]) -> str:
-    rule = found["rule"]
-    limit = f"{100 * choice.FINAL:g}"
-    if rule is None:
-        return paragraph(
-            "A rule for a whole object follows from the same pictures: walk. No other model that would save time stays",
-            f"within {limit} % in all pictures of objects beyond any thickness and albedo that was looked at.",
+    rules = {rule["limit"]: rule for rule in found["rules"]}
+    told = ["Rules for whole objects, such as `auto` needs, follow from the same pictures."]
+    for limit in (choice.FINAL, choice.PREVIEW):
+        told.append(f"Within {100 * limit:g} %:")
+        rule = rules.get(limit)
+        if rule is None:
+            told.append(
+                "walk; no other model that saves time stays within the limit in all pictures of objects beyond any "
+                "thickness and albedo′ that was looked at."
+            )
+            continue
+        told.append(
+            f"`{rule['model']}` from a thickness of {rule['thickness']:.3g} and an albedo′ of {rule['albedo']:.3g}, in "
+            f"the least channel, on; else walk. In the {rule['views']} pictures beyond, its error is "
+            f"{percent(rule['worst'])} % at the most, its efficiency {rule['efficiency']:.2g} times the walk's."
         )
-    return paragraph(
-        f"A rule for a whole object follows from the same pictures: `{rule['model']}` from a thickness of",
-        f"{rule['thickness']:.3g} and an albedo′ of {rule['albedo']:.3g}, in the least channel, on; else walk. In the",
-        f"{rule['views']} pictures beyond, its error is {percent(rule['worst'])} % at the most (limit: {limit} %, and",
-        f"what noise explains), its efficiency {rule['efficiency']:.2g} times the walk's.",
-    )
+    return paragraph(*told)
 
 
 def _pictures(found: dict[str, Any], plan: Plan, made: Made) -> str:
@@ -114,12 +118,11 @@ def _pictures(found: dict[str, Any], plan: Plan, made: Made) -> str:
             "the same for all. The truth is `walk` with exact exits; `walk` in the tables has the lobe. *Error* is the",
             f"root mean square of the difference over blocks of {BLOCK} x {BLOCK} pixels and the colour channels,",
             "divided by the truth's, with the noise of both taken out: a perfect model has 0, a black picture 100 %.",
-            f"*Worst block*: of {WORST_BLOCK} x {WORST_BLOCK} pixels, relative to its own light. *Speed*: samples a",
-            "second; *efficiency*: 1 / (relative variance x seconds); medians, relative to `walk`, of calls of",
-            f"{width * height * plan.spp // 2} samples, precomputation included.",
+            f"*Worst block*: of {WORST_BLOCK} x {WORST_BLOCK} pixels, relative to its own light.",
+            *(_of_speed(width * height * plan.spp // 2) if plan.timed else ()),
             *_twins(names),
         ),
-        _overall(rows, names),
+        _overall(rows, names, plan.timed),
         "Error by object and size:",
         _errors(rows, names, lambda row: f"{row['object']}, {row['size']:g} mm"),
         "Error by material:",
@@ -145,7 +148,14 @@ def _twins(names: Sequence[str]) -> list[str]:
     )
 
 
-def _overall(rows: list[Row], names: Sequence[str]) -> str:
+def _of_speed(samples: int) -> tuple[str, ...]:
+    return (
+        "*Speed*: samples a second; *efficiency*: 1 / (relative variance x seconds); medians, relative to `walk`, of",
+        f"calls of {samples} samples, precomputation included.",
+    )
+
+
+def _overall(rows: list[Row], names: Sequence[str], timed: bool) -> str:
     lines = []
     for name in names:
         own = [row for row in rows if row["method"] == name]
@@ -158,13 +168,12 @@ def _overall(rows: list[Row], names: Sequence[str]) -> str:
                 percent(largest["error"], largest["error_error"]),
                 percent(fmean(abs(row["bias"]) for row in own), _noise(own, "bias")),
                 f"{percent(worst['worst'], worst['worst_error'], signed=True)} ({views_of([worst])[0]})",
-                f"{median(row['rate'] for row in own):.2g}",
-                f"{median(row['efficiency'] for row in own):.2g}",
+                *(f"{median(row[key] for row in own):.2g}" for key in ("rate", "efficiency") if timed),
             ]
         )
     head = (
-        "model", "mean error %", "largest error %", "mean error of the whole light %", "worst block %", "speed",
-        "efficiency",
+        "model", "mean error %", "largest error %", "mean error of the whole light %", "worst block %",
+        *(("speed", "efficiency") if timed else ()),
     )  # fmt: skip
     return table(head, lines)
 

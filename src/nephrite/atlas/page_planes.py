@@ -12,6 +12,8 @@ from nephrite.atlas.tables import paragraph, percent, points, table, title
 
 __all__ = ["half_spaces", "slabs"]
 
+_CLEAR = 1.5  # times the noise from which an L1 distance is more than noise
+
 Row = dict[str, Any]
 
 
@@ -112,11 +114,23 @@ def _own(name: str) -> str:
 
 
 def _mean(rows: list[Row], quantity: str) -> str:
-    return percent(fmean(abs(row[quantity]) for row in rows))
+    return _told(fmean(abs(row[quantity]) for row in rows), _noise(rows, quantity))
 
 
 def _worst(rows: list[Row], quantity: str) -> str:
-    return percent(max((row[quantity] for row in rows), key=abs), signed=quantity == "total")
+    clear = [row for row in rows if abs(row[quantity]) > _CLEAR * _noise([row], quantity)]
+    if not clear:
+        return _told(0.0, max(_noise([row], quantity) for row in rows))
+    return percent(max((row[quantity] for row in clear), key=abs), signed=quantity == "total")
+
+
+def _noise(rows: list[Row], quantity: str) -> float:
+    """What the error of a perfect model would be: totals have no noise."""
+    return fmean(row["noise"] for row in rows) if quantity == "profile" else 0.0
+
+
+def _told(value: float, noise: float, signed: bool = False) -> str:
+    return f"< {percent(2.0 * noise)}" if abs(value) < _CLEAR * noise else percent(value, signed=signed)
 
 
 def _grid(name: str, values: Sequence[float]) -> list[tuple[str, float]]:
@@ -136,12 +150,8 @@ def _table(
         cells = []
         for _, value in grid:
             mine = [row for row in rows if row["model"] == name and row[axis] == value]
-            noise = fmean(row["noise"] for row in mine) if quantity == "profile" else 0.0
             mean = fmean(size(row[quantity]) for row in mine)
-            # the L1 distance of a perfect model is the noise
-            cells.append(
-                f"< {percent(2 * noise)}" if abs(mean) < 1.5 * noise else percent(mean, signed=signed)
-            )
+            cells.append(_told(mean, _noise(mine, quantity), signed))
         lines.append([title(name), *cells])
     return table(["%", *(label for label, _ in grid)], lines)
 

@@ -34,6 +34,7 @@ class Plan:
     Half-spaces: every reduced albedo of `albedos` with every `etas` and `gs`, `photons` each (fewer where g is high).
     Slabs: isotropic, `thicknesses` in mean free paths, `slab_albedos`, `slab_etas`. Pictures: `views` of `resolution`,
     with at least `truth_spp` and `spp` samples per pixel for the exact walk and for each model; `shown` have a figure.
+    `timed`: there are enough pictures, and enough samples in each, to speak of speed and to choose a model by.
     """
 
     albedos: tuple[float, ...]
@@ -49,6 +50,7 @@ class Plan:
     resolution: tuple[int, int]
     truth_spp: int
     spp: int
+    timed: bool
 
 
 _MATERIALS = ("skim-milk", "marble", "ketchup", "skin-1", "jade")
@@ -84,6 +86,7 @@ FULL = Plan(
     resolution=(96, 72),
     truth_spp=128,
     spp=32,
+    timed=True,
 )
 
 QUICK = Plan(
@@ -100,4 +103,5 @@ QUICK = Plan(
     resolution=(48, 48),
     truth_spp=64,
     spp=16,
+    timed=False,
 )
