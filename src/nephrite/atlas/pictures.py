@@ -9,6 +9,8 @@ from __future__ import annotations
 import hashlib
 import time
 from dataclasses import asdict, dataclass
+from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -107,7 +109,8 @@ def estimate(cell: Cell) -> Estimate:
 def rendered(plan: Plan, store: Store, loaded: Loaded, name: str) -> Cell:
     """Render a view by a method: `mean` and standard `error` of the picture, `mask`, `rate` and `efficiency`.
 
-    A diffusion model's cell is known by the numbers of its profile, so that another profile is another picture.
+    A diffusion model's cell is known by the numbers of its profile and the code of the jumps too: when they change, its
+    pictures are made again, but not the truth.
     """
     import mitsuba as mi
 
@@ -165,7 +168,15 @@ def _render(loaded: Loaded, name: str, spp: int) -> Cell:
 
 def _fingerprint(name: str, eta: float, g: float) -> str:
     table = kernel.tabulated(name, eta, g).log_kernel.astype(np.float32)
-    return hashlib.sha256(table.tobytes()).hexdigest()
+    return hashlib.sha256(table.tobytes() + _sources()).hexdigest()
+
+
+@lru_cache(maxsize=1)
+def _sources() -> bytes:
+    """Return a digest of the code by which light jumps."""
+    package = Path(kernel.__file__).parents[1]
+    files = sorted(path for part in ("bssrdf", "plugins") for path in (package / part).glob("*.py"))
+    return hashlib.sha256(b"".join(path.read_bytes() for path in files)).digest()
 
 
 def _same(one: str, other: str) -> bool:

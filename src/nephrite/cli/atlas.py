@@ -42,7 +42,7 @@ def atlas(
 
     The whole takes half an hour or more on two cores. Each result is kept, so that a run that was stopped, by
     Ctrl-C or by --time, goes on where it ended. Results are known by version and parameters, a diffusion
-    model's also by its profile; after other changes to the code use --fresh.
+    model's also by its profile and the code that renders it; after other changes to the code use --fresh.
     """
     from nephrite.atlas import figures, measure, page
     from nephrite.atlas.pictures import views_of
