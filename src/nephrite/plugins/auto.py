@@ -5,7 +5,7 @@ optical thickness: the mean chord of its shape, 4 V / S (Cauchy), times its coef
 
 - Nearly clear: fewer than one path in two thousand scatters twice. Walks end at their second event.
 - Dense and thick, of high albedo: hundreds of reduced mean free paths across, where diffusion holds to a few per cent
-  and each walk is long. The dipole takes over.
+  and each walk is long. The tabulated profile takes over.
 - Everything between: the walk.
 """
 
@@ -27,12 +27,12 @@ DENSE = 400.0
 """Reduced optical thickness above which a medium counts as dense."""
 
 LIGHT = 0.95
-"""Reduced albedo, in the darkest channel, from which the dipole's total is right within a few per cent."""
+"""Reduced albedo, in the darkest channel, from which walks are long enough to be worth replacing."""
 
-DIFFUSION = "dipole"
+DIFFUSION = "tabulated"
 """The model that takes over there."""
 
-_NAMES = {WALK: "walk", JUMP: "dipole", LOCAL: "brdf", LOW: "walk, up to single scattering"}
+_NAMES = {WALK: "walk", JUMP: DIFFUSION, LOCAL: "brdf", LOW: "walk, up to single scattering"}
 _POINTS = 256
 
 
