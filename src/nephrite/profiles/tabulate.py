@@ -1,4 +1,4 @@
-"""Make the table of `nephrite.profiles.tabulated`: `python -m nephrite.profiles.tabulate` (8 minutes on two cores).
+"""Make the table of `nephrite.profiles.tabulated`: `python -m nephrite.profiles.tabulate` (16 minutes of CPU time).
 
 For each index of refraction and mean cosine, light that enters diffusely or straight is simulated
 (`nephrite.physics.searchlight`), which serves every albedo. What is stored is the logarithm of R(r) for light of order
