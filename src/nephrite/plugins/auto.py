@@ -14,11 +14,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from nephrite.plugins.media import JUMP, LOCAL, LOW, WALK, surface_points
+from nephrite.plugins.media import JUMP, LOCAL, LOW, WALK
+from nephrite.plugins.shapes import mean_chord
 
 CLEAR = 0.03
 """Scattering optical thickness below which a medium counts as clear: its square bounds what is left out."""
@@ -33,7 +33,6 @@ DIFFUSION = "tabulated"
 """The model that takes over there."""
 
 _NAMES = {WALK: "walk", JUMP: DIFFUSION, LOCAL: "brdf", LOW: "walk, up to single scattering"}
-_POINTS = 256
 
 
 @dataclass(frozen=True)
@@ -64,7 +63,7 @@ def choose(model: str, media: Any, scene: Any) -> list[Choice]:
 
 
 def _choose(entry: Any) -> tuple[int, str]:
-    sigma_a, sigma_s = _mean_coefficients(entry)
+    sigma_a, sigma_s = entry.mean_coefficients()
     chord = max(mean_chord(shape) for shape in entry.shapes)
     scattering = float(np.max(sigma_s)) * chord
     if scattering < CLEAR:
@@ -76,36 +75,3 @@ def _choose(entry: Any) -> tuple[int, str]:
     if thickness > DENSE and albedo > LIGHT:
         return JUMP, f"dense: {thickness:.3g} reduced mean free paths across, albedo at least {albedo:.3g}"
     return WALK, f"{thickness:.3g} reduced mean free paths across, albedo at least {albedo:.3g}"
-
-
-def _mean_coefficients(entry: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Return sigma_a and sigma_s, per scene unit, per channel, averaged over the first shape."""
-    sampler = mi.load_dict({"type": "independent"})
-    sampler.seed(0, _POINTS)
-    si = surface_points(entry.shapes[0], sampler.next_2d(), sampler.next_1d())
-    absorbed, scattered = entry.coefficients(si, mi.Bool(True))
-    return _channel_means(absorbed), _channel_means(scattered)
-
-
-def _channel_means(values: Any) -> np.ndarray:
-    return np.array([float(dr.mean(channel)[0]) for channel in values])
-
-
-def mean_chord(shape: Any) -> float:
-    """Mean length of the straight lines through a shape: 4 V / S (Cauchy); scene units.
-
-    A mesh's volume is the sum of its signed tetrahedra; for other shapes that of the ellipsoid in the bounding box.
-    """
-    area = max(float(dr.max(shape.surface_area())[0]), 1e-30)
-    extents = np.array(shape.bbox().extents(), dtype=np.float64).ravel()
-    volume = float(np.prod(extents)) * np.pi / 6.0
-    if shape.is_mesh():
-        values = mi.traverse(shape)
-        name = "vertex_positions" if "vertex_positions" in values else "positions"
-        vertices = np.array(values[name], dtype=np.float64).reshape(-1, 3)
-        corners = vertices[np.array(values["faces"]).reshape(-1, 3)] - vertices.mean(axis=0)
-        volume = (
-            abs(float(np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum()))
-            / 6.0
-        )
-    return 4.0 * volume / area

@@ -8,7 +8,7 @@ that leaves after one event; `a^2 (1 - h)`, what reaches a second one, is in the
 
 Every point on a probe's chord takes part with its share, and one is chosen in proportion to it. Where folds and thin
 parts put more surface around a point than a half-space has, the shares would add up to more light than there is:
-`crowding` and `conserve` see to it that jumps make no energy.
+`balance` sees to it that jumps make no energy.
 """
 
 from __future__ import annotations
@@ -31,7 +31,8 @@ class Search:
     """A probe on its way along its chord, one ray a turn; part of the state of the integrator's loop.
 
     `active`: still searching; `left`: length of the chord ahead; `hits`, `total`: points found and the sum of their
-    worths; `share`: per worth, what the chosen point brings; `p`, `n`, `shading`: the point, its normals.
+    worths; `share`: per worth, what the chosen point brings; `p`, `n`, `shading`: the point, its outward normal, its
+    shading normal.
     """
 
     active: Any
@@ -82,13 +83,13 @@ def begin(
 
 
 def visit(
-    search: Search, kernels: Kernels, place: Place, there: Any, crowding: Any, si: Any, origin: Any, outward: Any,
-    β: Any, u: Any, active: Any,
+    search: Search, kernels: Kernels, place: Place, there: Any, balance: Any, si: Any, side: Any, origin: Any,
+    outward: Any, β: Any, u: Any, active: Any,
 ) -> Search:  # fmt: skip
     """Count a point that the probe has hit; it is chosen with probability worth / total so far.
 
     `place`, `there`: where to look for the kernels at the entry and at the point; None if they are the same.
-    `crowding`: log2 e at the more crowded of the two, see `crowding`.
+    `balance`: log2 of what the kernel is divided by. `side`: 1 where the normal of `si` points outward, -1 elsewhere.
     """
     offset = si.p - origin
     poles = []
@@ -99,7 +100,10 @@ def visit(
     logarithm = kernels.log_kernel(place, distance)
     if there is not None:
         logarithm = 0.5 * (logarithm + kernels.log_kernel(there, distance))
-    value = dr.exp2(logarithm - crowding)
+    value = dr.exp2(logarithm - balance)
+    normal = mi.Vector3f(si.n * side)
+    if kernels.finite:
+        value *= kernels.facing(place, there, offset, outward, normal)
     part = dr.select(density > 0, value / dr.maximum(density, 1e-30), 0.0)
     worth = dr.select(active, dr.sum(β * part), 0)
     total = search.total + worth
@@ -111,7 +115,7 @@ def visit(
         total,
         mi.Spectrum(dr.select(take, part / dr.maximum(worth, 1e-30), search.share)),
         dr.select(take, si.p, search.p),
-        dr.select(take, mi.Vector3f(si.n), search.n),
+        dr.select(take, normal, search.n),
         dr.select(take, mi.Vector3f(si.sh_frame.n), search.shading),
     )
 

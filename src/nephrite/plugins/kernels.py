@@ -6,6 +6,7 @@ points stays reciprocal.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,7 +14,8 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from nephrite.bssrdf import kernel
+from nephrite.bssrdf import finite, kernel
+from nephrite.profiles import models
 
 
 @dataclass
@@ -30,6 +32,7 @@ class Kernels:
 
     def __init__(self, entries: list[Any], model: str) -> None:
         """Look up the tables of a diffusion model for `media.Entry` objects."""
+        self.finite = models.find(model).finite
         tables = [kernel.tabulated(model, entry.eta, entry.g) for entry in entries]
         self._corners = _flat([_corners(table.log_kernel) for table in tables])
         self._poles = _flat([np.pad(table.poles, ((0, 0), (0, 1))) for table in tables])
@@ -45,6 +48,16 @@ class Kernels:
     def core(self, place: Place) -> Any:
         """Longest reduced mean free path of the channels."""
         return dr.exp2(-dr.min(place.log_scale))
+
+    def facing(self, place: Place, there: Any, offset: Any, n_o: Any, n_i: Any) -> Any:
+        """Light between two points of a body over that on a plane, per channel; see `finite.facing`.
+
+        `there` as in `jump.visit`: sigma_tr is the mean of those at both ends.
+        """
+        sigma_tr = _sigma_tr(place)
+        if there is not None:
+            sigma_tr = 0.5 * (sigma_tr + _sigma_tr(there))
+        return finite.facing(offset, n_o, n_i, sigma_tr)
 
     def log_kernel(self, place: Place, r: Any) -> Any:
         """Logarithm to base 2 of the kernel at the distance `r`, per channel."""
@@ -67,6 +80,11 @@ class Kernels:
             mfp = dr.exp2(-log_scale)
             found.append((pair[0] * mfp, pair[1] * mfp, pair[2]))
         return found
+
+
+def _sigma_tr(place: Place) -> Any:
+    """`sqrt(3 (1 - a')) sigma_t'`, of which rows hold the fourth root of 1 - a'."""
+    return math.sqrt(3.0) * dr.square(place.row / (kernel.ROWS - 1.0)) * dr.exp2(place.log_scale)
 
 
 def _corners(values: np.ndarray) -> np.ndarray:

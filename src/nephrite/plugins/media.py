@@ -20,14 +20,16 @@ from nephrite.physics import fresnel
 from nephrite.physics.color import ColorMap, color_map
 from nephrite.physics.single import single_scattering_share
 from nephrite.plugins import directional
-from nephrite.plugins.crowding import Crowding
 from nephrite.plugins.directional import Directional
+from nephrite.plugins.field import Field
 from nephrite.plugins.kernels import Kernels
+from nephrite.plugins.shapes import surface_points
 
 WALK, JUMP, LOCAL, LOW = range(4)
 """What is computed under a surface."""
 
 _PHASES = ("isotropic", "hg")
+_POINTS = 256
 
 
 @dataclass
@@ -56,6 +58,14 @@ class Entry:
         medium: Any = self.medium
         sigma_s, _, sigma_t = medium.get_scattering_coefficients(mei, active)
         return dr.maximum(sigma_t - sigma_s, 0.0), sigma_s
+
+    def mean_coefficients(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return sigma_a and sigma_s, per scene unit, per channel, averaged over the first shape."""
+        sampler = mi.load_dict({"type": "independent"})
+        sampler.seed(0, _POINTS)
+        si = surface_points(self.shapes[0], sampler.next_2d(), sampler.next_1d())
+        absorbed, scattered = self.coefficients(si, mi.Bool(True))
+        return _channel_means(absorbed), _channel_means(scattered)
 
     def emitted(self, si: Any, active: Any) -> Any:
         """Return the volumetric emission per scene unit."""
@@ -133,7 +143,7 @@ class Media:
         self.directional: Any = Directional(self.entries, diffusion) if by_direction else None
         radial = "dipole" if by_direction else diffusion
         self.kernels: Any = Kernels(self.entries, radial) if self.any_jump else None
-        self.crowding = Crowding(len(self.entries))
+        self.balance = Field(len(self.entries))
 
     def jumps(self, number: Any) -> Any:
         """Whether a diffusion model takes over from the walk at its second event."""
@@ -189,9 +199,10 @@ class Media:
             result = dr.select(number == i, entry.colors.of_coefficients(sigma_a, sigma_s), result)
         return result
 
-    def crowded(self, number: Any, a: Any, b: Any) -> Any:
-        """Return the crowding's logarithm to base 2 at that end of a jump where it is greater, per channel."""
-        return dr.maximum(self.crowding.logarithm(number, a), self.crowding.logarithm(number, b))
+    def balanced(self, number: Any, a: Any, b: Any) -> Any:
+        """Return the logarithm to base 2 of what a jump's kernel is divided by, per channel; see `balance`."""
+        at_a, at_b = self.balance.logarithm(number, a), self.balance.logarithm(number, b)
+        return 0.5 * (at_a + at_b) if self.kernels.finite else dr.maximum(at_a, at_b)
 
     def other_end(self, number: Any, si: Any, active: Any) -> Any:
         """Return where to look for the kernel at `si`, None if no material's coefficients vary."""
@@ -232,15 +243,8 @@ class Media:
         return value, pdf
 
 
-def surface_points(shape: Any, u2: Any, u1: Any) -> Any:
-    """Return interactions at points that are uniform over a shape's area, seen at sampled wavelengths."""
-    place = shape.sample_position(0.0, u2)
-    si: Any = dr.zeros(mi.SurfaceInteraction3f, dr.width(u1))
-    si.p, si.n, si.uv, si.sh_frame = place.p, place.n, place.uv, mi.Frame3f(place.n)
-    if mi.is_spectral:
-        shifted: Any = mi.sample_shifted(u1)
-        si.wavelengths = mi.sample_rgb_spectrum(shifted)[0]
-    return si
+def _channel_means(values: Any) -> np.ndarray:
+    return np.array([float(dr.mean(channel)[0]) for channel in values])
 
 
 def _column(values: list[float], first: float) -> Any:

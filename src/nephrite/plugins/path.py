@@ -173,14 +173,15 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                     place = media.kernels.place(within, sigma_t - sigma_s, sigma_s, g)
                     search = jump.visit(
                         search, media.kernels, place, media.other_end(within, si, counts),
-                        media.crowded(within, entry_p, si.p), si, entry_p, entry_n, β, sampler.next_1d(counts), counts,
+                        media.balanced(within, entry_p, si.p), si, entry_side, entry_p, entry_n, β,
+                        sampler.next_1d(counts), counts,
                     )  # fmt: skip
                     ray.o = jump.advance(search, si, ray, searching)
                     search.active &= si.is_valid()
                     landed = searching & ~search.active & (search.total > 0)
                     dead |= searching & ~search.active & ~landed
                     landing_weight = search.share * search.total
-                    landing_n = search.shading * dr.sign(dr.dot(search.shading, search.n)) * entry_side
+                    landing_n = search.shading * dr.sign(dr.dot(search.shading, search.n))
                     at.p = dr.select(landed, search.p, at.p)
                     at.n = dr.select(landed, search.n, at.n)
 

@@ -9,7 +9,7 @@ import mitsuba as mi
 
 from nephrite.errors import VariantError
 from nephrite.plugins import auto, camera, path, settings
-from nephrite.plugins.conserve import conserve, fingerprint
+from nephrite.plugins.balance import balance, fingerprint
 from nephrite.plugins.media import Media
 
 
@@ -68,7 +68,7 @@ class TranslucentPath(mi.SamplingIntegrator):
             raise VariantError(f"translucent_path does not track polarisation, as {mi.variant()} does.")
         self.choices: list[auto.Choice] = []
         self.cut_fraction = 0.0
-        self._crowding: tuple[Any, Any] | None = None
+        self._balance: tuple[Any, Any] | None = None
 
     def sample(
         self, scene: Any, sampler: Any, ray: Any, medium: Any = None, active: Any = True
@@ -103,10 +103,10 @@ class TranslucentPath(mi.SamplingIntegrator):
         if media.any_jump:
             # the passes of one picture ask for the same again and again
             key = fingerprint(media)
-            if self._crowding is None or self._crowding[0] != key:
-                conserve(media, scene)
-                self._crowding = (key, media.crowding)
-            media.crowding = self._crowding[1]
+            if self._balance is None or self._balance[0] != key:
+                balance(media, scene)
+                self._balance = (key, media.balance)
+            media.balance = self._balance[1]
         return media
 
     def _report(self, result: path.Result) -> None:

@@ -123,7 +123,8 @@ class Model:
     """An entry of `nephrite.profiles.models.MODELS`.
 
     `terms`: "multiple" if the profile stands for light that has scattered at least twice, so that single scattering is
-    to be added; "single+multiple" if it stands for all scattered light.
+    to be added; "single+multiple" if it stands for all scattered light. `finite`: whether the integrator fits its light
+    to the object (`bssrdf.finite`, `plugins.balance`); it leaves models of the literature as they are.
     """
 
     name: str
@@ -131,3 +132,4 @@ class Model:
     source: str
     terms: str
     make: Make
+    finite: bool = False

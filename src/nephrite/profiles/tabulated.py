@@ -244,4 +244,5 @@ MODEL = Model(
     "this package: simulated searchlights with the exact total (nephrite.physics)",
     "multiple",
     TabulatedProfile,
+    finite=True,
 )

@@ -1,4 +1,4 @@
-"""Keeps diffusion models from making energy: jumps from random points of an object, before anything is rendered."""
+"""What jumps bring of the light that they stand for, from random points of a shape."""
 
 from __future__ import annotations
 
@@ -6,57 +6,22 @@ from typing import Any
 
 import drjit as dr
 import mitsuba as mi
-import numpy as np
 
 from nephrite.bssrdf import lobe
 from nephrite.plugins import jump
 from nephrite.plugins.kernels import Place
-from nephrite.plugins.media import JUMP, Media, surface_points
+from nephrite.plugins.media import Media
+from nephrite.plugins.shapes import surface_points
 
-_POINTS = 1 << 15
-_JUMPS = 8  # from each point
-
-
-def fingerprint(media: Media) -> tuple[Any, ...]:
-    """Return what the crowding depends on, as far as it can be told at once: forms, sizes, coefficients, models."""
-    found: list[Any] = [mi.variant(), media.diffusion, *media.models]
-    for entry in media.entries:
-        found += [entry.eta, entry.g]
-        for shape in entry.shapes:
-            si = surface_points(shape, mi.Point2f(0.3, 0.6), mi.Float(0.5))
-            values = [*entry.coefficients(si, True), shape.surface_area(), si.p]
-            found += [float(x) for value in values for x in np.ravel(np.array(value))]
-            found += [float(x) for corner in (shape.bbox().min, shape.bbox().max) for x in corner]
-    return tuple(found)
+_JUMPS = 1 << 18
 
 
-def conserve(media: Media, scene: Any) -> None:
-    """Set `media.crowding` for the objects whose light jumps."""
-    for number, model in enumerate(media.models, start=1):
-        entry = media.entries[number - 1]
-        if model != JUMP or entry.least_reach > 0:  # instances are one shape in many places
-            continue
-        bbox = mi.ScalarBoundingBox3f()
-        points, brought = [], []
-        for shape in entry.shapes:
-            bbox.expand(shape.bbox())
-            si, found = _jump(media, number, scene, shape)
-            points.append(np.array(si.p).T[::_JUMPS])
-            means = [np.array(channel).reshape(-1, _JUMPS).mean(axis=1) for channel in found]
-            brought.append(np.stack(means, axis=-1))
-        media.crowding.estimate(number, bbox, np.concatenate(points), np.concatenate(brought))
-
-
-def _jump(media: Media, number: int, scene: Any, shape: Any) -> tuple[Any, Any]:
-    """Return random points of a shape, each repeated, and what a jump from it brings of the light that arrives."""
+def jump_once(media: Media, number: int, scene: Any, shape: Any) -> tuple[Any, Any]:
+    """Return random points of a shape, and what a jump from each brings of the light that arrives."""
     entry = media.entries[number - 1]
-    count = _POINTS * _JUMPS
     sampler = mi.load_dict({"type": "independent"})
-    sampler.seed(0, count)
-    first = dr.arange(mi.UInt32, count) // _JUMPS * _JUMPS
-    u2 = dr.gather(mi.Point2f, sampler.next_2d(), first)
-    u1 = dr.gather(mi.Float, sampler.next_1d(), first)
-    si = surface_points(shape, u2, u1)
+    sampler.seed(0, _JUMPS)
+    si = surface_points(shape, sampler.next_2d(), sampler.next_1d())
     sigma_a, sigma_s = entry.coefficients(si, True)
     place = media.kernels.place(mi.UInt32(number), sigma_a, sigma_s, entry.g)
     search = _land(scene, sampler, media, mi.UInt32(number), place, si, shape)
@@ -81,7 +46,8 @@ def _land(scene: Any, sampler: Any, media: Media, number: Any, place: Place, at:
         counts = active & si.is_valid() & (dr.reinterpret_array(mi.UInt32, si.shape) == identity)
         search = jump.visit(
             search, media.kernels, place, media.other_end(number, si, counts),
-            media.crowded(number, at.p, si.p), si, at.p, outward, β, sampler.next_1d(active), counts,
+            media.balanced(number, at.p, si.p), si, mi.Float(1.0), at.p, outward, β,
+            sampler.next_1d(active), counts,
         )  # fmt: skip
         ray.o = jump.advance(search, si, ray, active)
         active = search.active & si.is_valid()

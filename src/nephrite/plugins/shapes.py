@@ -1,0 +1,40 @@
+"""What is asked of a shape before anything is rendered: points on it, and how large it is."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+
+def surface_points(shape: Any, u2: Any, u1: Any) -> Any:
+    """Return interactions at points that are uniform over a shape's area, seen at sampled wavelengths."""
+    place = shape.sample_position(0.0, u2)
+    si: Any = dr.zeros(mi.SurfaceInteraction3f, dr.width(u1))
+    si.p, si.n, si.uv, si.sh_frame = place.p, place.n, place.uv, mi.Frame3f(place.n)
+    if mi.is_spectral:
+        shifted: Any = mi.sample_shifted(u1)
+        si.wavelengths = mi.sample_rgb_spectrum(shifted)[0]
+    return si
+
+
+def mean_chord(shape: Any) -> float:
+    """Mean length of the straight lines through a shape: 4 V / S (Cauchy); scene units.
+
+    A mesh's volume is the sum of its signed tetrahedra; for other shapes that of the ellipsoid in the bounding box.
+    """
+    area = max(float(dr.max(shape.surface_area())[0]), 1e-30)
+    extents = np.array(shape.bbox().extents(), dtype=np.float64).ravel()
+    volume = float(np.prod(extents)) * np.pi / 6.0
+    if shape.is_mesh():
+        values = mi.traverse(shape)
+        name = "vertex_positions" if "vertex_positions" in values else "positions"
+        vertices = np.array(values[name], dtype=np.float64).reshape(-1, 3)
+        corners = vertices[np.array(values["faces"]).reshape(-1, 3)] - vertices.mean(axis=0)
+        volume = (
+            abs(float(np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum()))
+            / 6.0
+        )
+    return 4.0 * volume / area
