@@ -3,9 +3,9 @@
     python benchmarks/color.py [--eta 1 1.3 1.6] [--g 0 .5 .9] [--alpha 0 .2 .5] [--colors ...] [--error .25]
 
 `exact` is `nephrite.physics.color`, rendered by the exact walk on a thick plate (tests/support/plate.py); each cell is
-rendered until its standard error is about `--error` percent. The maps below it are those that other renderers ship, and
-the standard dipole's: errors in percent of the colour that their media show, by the exact map. A dash: no medium under
-a surface so rough is that light.
+rendered until its standard error is about `--error` percent. The maps below it are those that other renderers ship:
+errors in percent of the colour that their media show, by the exact map. A dash: no medium under a surface so rough is
+that light.
 """
 
 from __future__ import annotations
@@ -27,9 +27,8 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
 PASSES = 8
 MAPS = {
-    "dipole": lambda asked, eta, g: inversion.dipole_albedo(asked, eta),
-    "chiang": lambda asked, eta, g: inversion.chiang_albedo(asked),
-    "van de hulst": lambda asked, eta, g: _reduced(inversion.van_de_hulst_albedo(asked, g), g),
+    "chiang": lambda asked, g: inversion.chiang_albedo(asked),
+    "van de hulst": lambda asked, g: _reduced(inversion.van_de_hulst_albedo(asked, g), g),
 }
 
 
@@ -65,7 +64,7 @@ def main() -> None:
             scores.append(error / spread)
         print(f"{eta:4g} {g:5g} {alpha:5g} {'exact':>13} " + " ".join(row), flush=True)
         for name, map_ in MAPS.items():
-            off = 100 * (of.color(map_(asked, eta, g)) / asked - 1)
+            off = 100 * (of.color(map_(asked, g)) / asked - 1)
             print(f"{'':16} {name:>13} " + " ".join(f"{value:+14.1f}" for value in off))
     print(
         f"{cells} cells in {time.perf_counter() - start:.0f} s: largest error {worst:.2f} %; in standard errors, "

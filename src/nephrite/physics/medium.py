@@ -11,7 +11,6 @@ import numpy as np
 
 from nephrite.errors import ParameterError
 from nephrite.physics.fresnel import boundary_factor, check_eta
-from nephrite.physics.inversion import diffuse_reflectance_from_falloff
 from nephrite.physics.phase import check_g
 
 __all__ = ["RGB", "Medium", "rgb"]
@@ -158,8 +157,9 @@ class Medium:
         for absorbed, extinct in zip(self.sigma_a, self.sigma_t_prime, strict=True):
             # from the absorbed share, not from 1 - albedo': media of albedo .99999 keep their digits
             share = _quotient(absorbed, extinct, 1.0)
-            total = diffuse_reflectance_from_falloff(math.sqrt(3.0 * share), boundary) if share < 1.0 else 0.0
-            channels.append(float(total))
+            falloff = math.sqrt(3.0 * share)
+            both = 1.0 + math.exp((-4.0 / 3.0) * boundary * falloff)
+            channels.append(0.5 * (1.0 - share) * both * math.exp(-falloff))
         return _three(channels)
 
 
