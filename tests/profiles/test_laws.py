@@ -9,8 +9,6 @@ from scipy import integrate, stats
 from nephrite.errors import ParameterError
 from nephrite.physics._arrays import namespace
 from nephrite.profiles import MODELS, RadialProfile, StandardDipole, find
-from nephrite.profiles.measured import MeasuredProfile
-from nephrite.profiles.multipole import Multipole
 from nephrite.profiles.normalized import NormalizedDiffusion
 
 # absorption, reduced scattering, eta, g
@@ -71,7 +69,6 @@ def test_values_are_numbers_and_none_is_negative(make, medium):
     for values in (profile.eval(r), profile.pdf(r), profile.cdf(r), profile.sample(u, u[::-1])):
         assert np.all(np.isfinite(values))
         assert np.all(np.asarray(values) >= 0.0)
-    assert np.all(np.isfinite(profile.sample(u, u[::-1], 2.0)))
     assert np.all(np.asarray(profile.cdf(r)) <= 1.0 + 1e-12)
     assert 0.0 <= profile.albedo() < 1.1
     assert 0.0 < profile.reach() < math.inf
@@ -103,26 +100,24 @@ def test_cdf_grows_from_nothing_to_all_and_pdf_is_its_slope(make, medium):
 
 @each
 @medium
-@pytest.mark.parametrize("r_max", [None, 1.5])
-def test_samples_follow_the_profile(make, medium, r_max):
-    """Chi-square; a right program fails with probability 1e-4 a case, 1e-2 in all, were the seed drawn anew."""
+def test_samples_follow_the_profile(make, medium):
+    """Chi-square; a right program fails with probability 1e-4 a case, 7e-3 in all, were the seed drawn anew."""
     profile = make(*medium)
     fixed, drawn = (
         np.random.default_rng(11).random((2, 20_000)),
         np.random.default_rng(12).random((2, 20_000)),
     )
     # edges from one half of the samples, counts from the other
-    assert profile.sample(*fixed, r_max).shape == (20_000,)
-    edges = np.quantile(profile.sample(*fixed, r_max), np.linspace(0.0, 1.0, 31)[1:-1])
-    radii = profile.sample(*drawn, r_max)
+    assert profile.sample(*fixed).shape == (20_000,)
+    edges = np.quantile(profile.sample(*fixed), np.linspace(0.0, 1.0, 31)[1:-1])
+    radii = profile.sample(*drawn)
     expected, low = [], 1e-7
-    for high in [*edges, 1e7 if r_max is None else r_max]:
+    for high in [*edges, 1e7]:
         r = np.geomspace(low, high, 401)
         expected.append(integrate.simpson(mass(profile, r), x=np.log(r)))
         low = high
     seen = np.histogram(radii, [0.0, *edges, np.inf])[0]
     assert stats.chisquare(seen, np.array(expected) / sum(expected) * radii.size).pvalue > 1e-4
-    assert r_max is None or radii.max() <= r_max * (1.0 + 1e-9)
 
 
 @each
@@ -167,8 +162,6 @@ def test_drjit_and_numpy_give_the_same(make):
         np.testing.assert_allclose(high, expected, rtol=1e-7, atol=1e-15, err_msg=name)
         low = np.ravel(getattr(singles, name)(*(mi.Float(x) for x in arguments)).numpy())
         np.testing.assert_allclose(low, expected, rtol=1e-3, atol=1e-6, err_msg=name)
-        channel = getattr(singles.map(lambda c: c[1]), name)(*(mi.Float(x) for x in arguments))
-        assert channel[0] == pytest.approx(low[1], rel=1e-5)
 
 
 @each
@@ -233,11 +226,3 @@ def test_models_describe_themselves():
         assert isinstance(model.make(0.1, 1.0, 1.3), RadialProfile)
     with pytest.raises(ParameterError, match="Did you mean 'photon_beam'"):
         find("photonbeam")
-
-
-def test_profiles_can_be_mapped():
-    profile = Multipole(np.array([0.1, 0.2]), np.array([1.0, 1.0]), 2.0, np.array([3.0, 4.0]))
-    second = profile.map(lambda value: value[1])
-    assert second.eval(0.5) == pytest.approx(profile.eval(0.5)[1])
-    measured = MeasuredProfile([0.0, 1.0], [0.5, 0.1])
-    assert measured.map(lambda value: value[0]) is measured

@@ -151,14 +151,6 @@ def test_values_change_smoothly():
     assert np.abs(np.diff(values, n=2)).max() < 1e-3
 
 
-def test_channels_can_be_taken_apart():
-    import mitsuba as mi
-
-    profile = TabulatedProfile(mi.Color3f(0.1, 0.2, 0.3), mi.Color3f(0.9), 1.3)
-    values, blue = profile.eval(mi.Float(0.7)), profile.map(lambda value: value[2])
-    np.testing.assert_allclose(blue.eval(mi.Float(0.7)).numpy(), values[2].numpy(), rtol=1e-6)
-
-
 @pytest.mark.parametrize(
     "parameters", [{"incidence": "norma"}, {"orders": "single"}, {"g": 1.0}, {"eta": 0.0}]
 )

@@ -23,16 +23,13 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol, TypeVar
+from typing import Any, Protocol
 
 from nephrite.physics._arrays import namespace, plain
 from nephrite.profiles import quadrature
 
 __all__ = ["Make", "Model", "RadialProfile"]
-
-Self = TypeVar("Self", bound="RadialProfile")
 
 
 class RadialProfile(ABC):
@@ -67,16 +64,10 @@ class RadialProfile(ABC):
         value = 2.0 * math.pi * r * self.eval(r)
         return plain(value / namespace(albedo, value).maximum(albedo, 1e-30))
 
-    def sample(self, u: Any, v: Any = 0.5, r_max: Any = None) -> Any:
-        """Radius for two uniform numbers in [0, 1); with `r_max`, one within it, of density `pdf(r) / cdf(r_max)`.
-
-        One number suffices here; models that are sums choose their part by `v`.
-        """
-        share = u if r_max is None else u * self.cdf(r_max)
-        r = quadrature.invert(self._part, self.parts, self.reach(), share)
-        if r_max is not None:
-            r = namespace(r, r_max).minimum(r, r_max)
-        return plain(self._differentiable(r, share))
+    def sample(self, u: Any, v: Any = 0.5) -> Any:
+        """Radius for uniform numbers in [0, 1): `u` suffices here; models that are sums choose their part by `v`."""
+        r = quadrature.invert(self._part, self.parts, self.reach(), u)
+        return plain(self._differentiable(r, u))
 
     def _differentiable(self, r: Any, share: Any) -> Any:
         """Return r, the root of `cdf(r) = share` that a search has found, with the derivatives that it has.
@@ -90,24 +81,6 @@ class RadialProfile(ABC):
         with xp.suspend_grad():
             slope = xp.maximum(self.pdf(r), 1e-30)
         return xp.replace_grad(r, r + (share - self.cdf(r)) / slope)
-
-    def map(self: Self, function: Callable[[Any], Any]) -> Self:
-        """Return the profile whose parameters are `function` of these: one channel of three, say.
-
-        Plain numbers, which all channels share, stay.
-        """
-        other = object.__new__(type(self))
-        for name, value in vars(self).items():
-            setattr(other, name, _mapped(function, value))
-        return other
-
-
-def _mapped(function: Callable[[Any], Any], value: Any) -> Any:
-    if isinstance(value, RadialProfile):
-        return value.map(function)
-    if isinstance(value, tuple):
-        return tuple(_mapped(function, part) for part in value)
-    return value if isinstance(value, int | float) else function(value)
 
 
 class Make(Protocol):

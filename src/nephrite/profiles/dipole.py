@@ -62,12 +62,6 @@ class StandardDipole(RadialProfile):
         real, virtual = self._shares()
         return plain(0.5 * self.albedo_prime * (real + virtual))
 
-    def _within(self, r: Any, z: Any) -> Any:
-        """Fraction of one pole's light that leaves within `r`."""
-        xp = namespace(r, z)
-        d = xp.sqrt(r * r + z * z)
-        return plain(1.0 - z / d * xp.exp(-self.sigma_tr * (d - z)))
-
     def cdf(self, r: Any) -> Any:
         """Fraction of the albedo that leaves within `r`."""
         xp = namespace(r, self.sigma_tr)
@@ -79,18 +73,11 @@ class StandardDipole(RadialProfile):
 
         return plain(1.0 - (beyond(self.z_real) + beyond(self.z_virtual)) / xp.maximum(real + virtual, 1e-30))
 
-    def sample(self, u: Any, v: Any, r_max: Any = None) -> Any:
-        """Radius distributed as `pdf`, or as what of it lies within `r_max`; `u`, `v` uniform in [0, 1)."""
+    def sample(self, u: Any, v: Any = 0.5) -> Any:
+        """Radius distributed as `pdf`, for uniform numbers in [0, 1): `v` chooses the pole."""
         xp = namespace(u, v, self.sigma_tr)
         real, virtual = self._shares()
-        if r_max is None:
-            z = xp.select(v * (real + virtual) < real, self.z_real, self.z_virtual)
-        else:
-            # each pole has its own part within r_max: the one at depth loses more
-            of_real, of_virtual = self._within(r_max, self.z_real), self._within(r_max, self.z_virtual)
-            first = v * (real * of_real + virtual * of_virtual) < real * of_real
-            z = xp.select(first, self.z_real, self.z_virtual)
-            u = u * xp.select(first, of_real, of_virtual)
+        z = xp.select(v * (real + virtual) < real, self.z_real, self.z_virtual)
         # d = z e^y, y + t (e^y - 1) = -ln(1 - u): Newton's method from the right, where it can't overshoot
         t, target = self.sigma_tr * z, -xp.log(1.0 - u)
         y = xp.minimum(target, xp.log(1.0 + target / xp.maximum(t, 1e-30)))

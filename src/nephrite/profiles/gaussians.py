@@ -80,21 +80,14 @@ class GaussianSum(RadialProfile):
         beyond = self._sum(r, False)
         return plain(1.0 - beyond / namespace(total, beyond).maximum(total, 1e-30))
 
-    def sample(self, u: Any, v: Any = 0.5, r_max: Any = None) -> Any:
+    def sample(self, u: Any, v: Any = 0.5) -> Any:
         """Radius distributed as `pdf`: `v` chooses the term, whose cdf has a closed inverse."""
-        xp = namespace(u, v, r_max, *self.weights, *self.variances)
-        weights, within = list(self.weights), [1.0] * len(self.weights)
-        if r_max is not None:
-            within = [1.0 - xp.exp(r_max * r_max / (-2.0 * variance)) for variance in self.variances]
-            weights = [weight * part for weight, part in zip(weights, within, strict=True)]
-        left = v * sum(weights)
-        variance, share = self.variances[0] * 1.0, u * within[0]
-        for i in range(1, len(weights)):
-            left = left - weights[i - 1]
-            here = left >= 0.0
-            variance = xp.select(here, self.variances[i], variance)
-            share = xp.select(here, u * within[i], share)
-        return plain(xp.sqrt(-2.0 * variance * xp.log(xp.maximum(1.0 - share, 1e-30))))
+        xp = namespace(u, v, *self.weights, *self.variances)
+        left, variance = v * sum(self.weights), self.variances[0] * 1.0
+        for weight, following in zip(self.weights, self.variances[1:], strict=False):
+            left = left - weight
+            variance = xp.select(left >= 0.0, following, variance)
+        return plain(xp.sqrt(-2.0 * variance * xp.log(xp.maximum(1.0 - u, 1e-30))))
 
 
 def fit(profile: RadialProfile, deviations: Sequence[float]) -> GaussianSum:

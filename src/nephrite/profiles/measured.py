@@ -51,10 +51,6 @@ class MeasuredProfile(RadialProfile):
                 "and not above 1: R is per area, in 1/mm^2 if r is in mm; scale it, or check the units."
             )
 
-    def map(self, function: Any) -> MeasuredProfile:
-        """Return this profile: its points are numbers that all channels share."""
-        return self
-
     def reach(self) -> float:
         """Last radius: nothing leaves beyond."""
         return float(self._radii[-1])
@@ -76,11 +72,10 @@ class MeasuredProfile(RadialProfile):
         first, value, slope, before = self._find(self._radii, r)
         return plain((before + _mass(first, value, slope, r)) / self.albedo())
 
-    def sample(self, u: Any, v: Any = 0.5, r_max: Any = None) -> Any:
+    def sample(self, u: Any, v: Any = 0.5) -> Any:
         """Radius for one uniform number: the cell by its mass, the place in it by bisection."""
-        share = u if r_max is None else u * self.cdf(r_max)
-        xp = namespace(share)
-        target = share * self.albedo()
+        xp = namespace(u)
+        target = u * self.albedo()
         low, value, slope, before = self._find(self._cumulative, target)
         first = low
         high = low + self._find(self._cumulative, target, np.append(np.diff(self._radii), 0.0))
@@ -88,7 +83,7 @@ class MeasuredProfile(RadialProfile):
             middle = 0.5 * (low + high)
             less = before + _mass(first, value, slope, middle) < target
             low, high = xp.select(less, middle, low), xp.select(less, high, middle)
-        return plain(self._differentiable(0.5 * (low + high), share))
+        return plain(self._differentiable(0.5 * (low + high), u))
 
     def _find(self, table: np.ndarray, x: Any, *wanted: np.ndarray) -> Any:
         """Look up, for the interval of `table` that x is in, the first radius, its value, slope and mass before it."""

@@ -14,6 +14,7 @@ scattering, `e^(-sigma_t' thickness)`, is not in it.
 
 from __future__ import annotations
 
+import copy
 import math
 from typing import Any
 
@@ -53,7 +54,7 @@ class Multipole(RadialProfile):
 
     def transmitted(self) -> Multipole:
         """Return the profile of what leaves the far face, r from the point opposite to the entry."""
-        other = self.map(lambda value: value)
+        other = copy.copy(self)
         other.depth, other.opposite = self.opposite, self.depth
         return other
 

@@ -104,11 +104,10 @@ class NormalizedDiffusion(RadialProfile):
         fast, slow = self._decay(r)
         return plain((fast + slow) / (4.0 * self.d))
 
-    def sample(self, u: Any, v: Any = 0.5, r_max: Any = None) -> Any:
+    def sample(self, u: Any, v: Any = 0.5) -> Any:
         """Radius for one uniform number, by the exact inverse of the cdf (Golubev 2018, a cubic in e^(r/(3d)))."""
-        share = u if r_max is None else u * self.cdf(r_max)
-        xp = namespace(share, self.d)
-        left = xp.maximum(1.0 - share, 1e-9)
+        xp = namespace(u, self.d)
+        left = xp.maximum(1.0 - u, 1e-9)
         root = 1.0 + 4.0 * left * (2.0 * left + xp.sqrt(1.0 + 4.0 * left * left))
         cube = xp.exp(xp.log(root) * (1.0 / 3.0))
         r = 3.0 * self.d * xp.log((1.0 + cube + 1.0 / cube) / (4.0 * left))

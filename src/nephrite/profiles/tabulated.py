@@ -12,9 +12,7 @@ of the table, and the total is exact still.
 
 from __future__ import annotations
 
-import copy
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -127,11 +125,10 @@ class TabulatedProfile(RadialProfile):
             total += tabulated_grid.STEP * weight * self._mixed("light", column + k)
         return plain(xp.minimum(total / self._total(), 1.0))
 
-    def sample(self, u: Any, v: Any = 0.5, r_max: Any = None) -> Any:
-        """Radius distributed as `pdf`, or as what of it lies within `r_max`; `u` uniform in [0, 1), `v` is not used."""
-        share = u if r_max is None else u * self.cdf(r_max)
-        xp = namespace(share, self.t)
-        light = share * self._total()
+    def sample(self, u: Any, v: Any = 0.5) -> Any:
+        """Radius distributed as `pdf`; `u` uniform in [0, 1), `v` is not used."""
+        xp = namespace(u, self.t)
+        light = u * self._total()
         inner = self._mixed("within", 0 * self._row()[0])
         low, high = _whole(light * 0.0), _whole(light * 0.0) + tabulated_grid.CELLS
         for _ in range(tabulated_grid.CELLS.bit_length()):
@@ -144,7 +141,7 @@ class TabulatedProfile(RadialProfile):
         x = _X_MIN + tabulated_grid.STEP * (low + place)
         center = tabulated_shape.R_MIN * xp.sqrt(xp.minimum(light / xp.maximum(inner, 1e-30), 1.0))
         return plain(
-            self._differentiable(xp.select(light < inner, center, xp.exp(x)) / self.sigma_t_prime, share)
+            self._differentiable(xp.select(light < inner, center, xp.exp(x)) / self.sigma_t_prime, u)
         )
 
     def reach(self) -> Any:
@@ -170,14 +167,6 @@ class TabulatedProfile(RadialProfile):
         row, u = self._row()
         low, high = self._take(name, row), self._take(name, row + 1)
         return low + (high - low) * u
-
-    def map(self, function: Callable[[Any], Any]) -> TabulatedProfile:
-        """Return the profile whose parameters are `function` of these: one channel of three, say."""
-        other = copy.copy(self)
-        for name in ("sigma_t_prime", "albedo_prime", "t"):
-            setattr(other, name, function(getattr(self, name)))
-        other._rows = tabulated_shape.bspline(other._row()[1])
-        return other
 
     def _mixed(self, name: str, column: Any) -> Any:
         """Mix a column of the grid's `light` or `within` as the albedo asks for."""
