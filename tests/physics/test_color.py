@@ -100,7 +100,9 @@ def test_round_trips_are_monotone_and_end_exactly(surface):
     np.testing.assert_allclose(of.color(of.albedo(colors)), colors, rtol=2e-4)
     assert np.all(np.diff(of.color(np.linspace(0, 1, 301))) > 0)
     assert (of.albedo(of.reach), of.color(1.0)) == (1.0, of.reach)
-    assert (of.albedo(0.0), of.color(0.0)) == pytest.approx((0.0, 0.0), abs=1e-15)
+    assert of.albedo(0.0) == pytest.approx(0.0, abs=1e-15)
+    assert of.color(0.0) == of.of_coefficients(1.0, 0.0) == of.of_coefficients(0.0, 0.0) == 0.0
+    assert of.of_coefficients(0.0, 1.0) == of.reach
     if surface[2] == 0:
         assert of.reach == 1
 

@@ -45,6 +45,17 @@ def test_h_functions_give_the_same(albedo, published):
     np.testing.assert_allclose(exits.all, expected, rtol=2e-3)
 
 
+@pytest.mark.parametrize(("eta", "incidence", "exact"), [
+    (1.3, "normal", (0.063486, 0.181324, 0.407815, 0.656564, 0.871583)),
+    (1.5, "diffuse", (0.048825, 0.144025, 0.344704, 0.594770, 0.839511)),
+    (0.8, "normal", (0.109413, 0.275354, 0.525485, 0.746090, 0.910229)),
+])  # fmt: skip
+def test_totals_under_an_interface(eta, incidence, exact):
+    """Against H functions and a linear system for the light that the interface turns back: another method."""
+    found = [halfspace.total_reflectance(albedo, eta, 0.0, incidence) for albedo in PUBLISHED]
+    np.testing.assert_allclose(found, exact, atol=1e-6)
+
+
 @pytest.mark.parametrize("eta", [0.7, 1.0, 1.0001, 1.02, 1.3, 1.6, 2.4])
 @pytest.mark.parametrize("g", [-0.5, 0.0, 0.5, 0.9, 0.95])
 def test_nodes_are_enough(eta, g, monkeypatch):

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from nephrite.atlas.compared import Estimate, difference
+from nephrite.atlas.compared import Difference, Estimate, difference
 from nephrite.atlas.plan import Plan, View
 from nephrite.atlas.store import Cell, NotYetError, Store
 from nephrite.atlas.views import LIGHTS, Loaded, Loader
@@ -37,8 +37,8 @@ _CHANNELS = 3
 
 
 @dataclass(frozen=True)
-class Picture:
-    """A method in one view; see `compared.Difference` for the errors.
+class Picture(Difference):
+    """A method in one view: how far it is from the truth, and how fast.
 
     `thickness`, `albedo`: mean chord in reduced mean free paths and reduced albedo, per channel. `rate`, `efficiency`:
     samples, and 1 / (relative variance), per second; relative to those of the walk with the lobe in the same view.
@@ -49,14 +49,6 @@ class Picture:
     size: float
     material: str
     light: str
-    bias: float
-    bias_error: float
-    error: float
-    error_error: float
-    channels: tuple[float, ...]
-    channels_error: tuple[float, ...]
-    worst: float
-    worst_error: float
     thickness: tuple[float, ...]
     albedo: tuple[float, ...]
     rate: float
@@ -90,13 +82,14 @@ def pictures(plan: Plan, store: Store, names: tuple[str, ...]) -> list[dict[str,
         for name in names:
             cell = cells[name]
             row = Picture(
-                name, view.object, view.size, view.material, view.light,
                 **asdict(difference(estimate(cell), truth, mask)),
+                **asdict(view),
+                method=name,
                 thickness=tuple(loaded.thickness.tolist()),
                 albedo=tuple(float(a) for a in medium.albedo_prime),
                 rate=float(cell["rate"] / walk["rate"]),
                 efficiency=float(cell["efficiency"] / walk["efficiency"]),
-            )  # fmt: skip
+            )
             rows.append(asdict(row))
     return rows
 

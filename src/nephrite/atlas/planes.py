@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -67,16 +68,13 @@ class Slab:
 def half_spaces(plan: Plan, store: Store, models: tuple[str, ...]) -> list[dict[str, Any]]:
     """Return the `HalfSpace` of every model and cell, as dictionaries."""
     rows = []
-    for eta in plan.etas:
-        for g in plan.gs:
-            for incidence in INCIDENCES:
-                truth = _simulated(plan, store, eta, g, incidence)
-                for i, albedo in enumerate(plan.albedos):
-                    rows += [
-                        asdict(_compared(MODELS[name], incidence, albedo, eta, g, truth, i))
-                        for name in models
-                    ]
-    return rows
+    for eta, g, incidence in product(plan.etas, plan.gs, INCIDENCES):
+        truth = _simulated(plan, store, eta, g, incidence)
+        rows += [
+            _compared(MODELS[name], incidence, albedo, eta, g, truth, i)
+            for (i, albedo), name in product(enumerate(plan.albedos), models)
+        ]
+    return [asdict(row) for row in rows]
 
 
 def _single_albedo(albedo_prime: Any, g: float) -> Any:
@@ -130,16 +128,13 @@ def _compared(
 def slabs(plan: Plan, store: Store, models: tuple[str, ...]) -> list[dict[str, Any]]:
     """Return the `Slab` of every model and cell, as dictionaries."""
     rows = []
-    for eta in plan.slab_etas:
-        for incidence in INCIDENCES:
-            for thickness in plan.thicknesses:
-                truth = _simulated_slab(plan, store, eta, thickness, incidence)
-                for i, albedo in enumerate(plan.slab_albedos):
-                    rows += [
-                        asdict(_compared_slab(MODELS[name], incidence, albedo, eta, thickness, truth, i))
-                        for name in models
-                    ]
-    return rows
+    for eta, incidence, thickness in product(plan.slab_etas, INCIDENCES, plan.thicknesses):
+        truth = _simulated_slab(plan, store, eta, thickness, incidence)
+        rows += [
+            _compared_slab(MODELS[name], incidence, albedo, eta, thickness, truth, i)
+            for (i, albedo), name in product(enumerate(plan.slab_albedos), models)
+        ]
+    return [asdict(row) for row in rows]
 
 
 def _simulated_slab(plan: Plan, store: Store, eta: float, thickness: float, incidence: str) -> Cell:

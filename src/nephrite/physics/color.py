@@ -82,22 +82,24 @@ class ColorMap:
 
     def color_of_falloff(self, falloff: Any) -> Any:
         """Return the surface colour, in [0, `reach`], for s in [0, sqrt 3]."""
-        xp = namespace(falloff)
-        albedo = xp.maximum(1.0 - falloff * falloff * (1.0 / 3.0), 0.0)
-        series = _series(self.lightness, falloff * (2.0 / _DARKEST) - 1.0)
-        return plain(self.reach * albedo * xp.exp(falloff * series))
+        return self._color(namespace(falloff).maximum(1.0 - falloff * falloff * (1.0 / 3.0), 0.0), falloff)
 
     def color(self, albedo_prime: Any) -> Any:
         """Return the surface colour, in [0, `reach`], for a reduced albedo in [0, 1]."""
         xp = namespace(albedo_prime)
-        return self.color_of_falloff(xp.sqrt(3.0 * xp.maximum(1.0 - albedo_prime, 0.0)))
+        return self._color(albedo_prime, xp.sqrt(3.0 * xp.maximum(1.0 - albedo_prime, 0.0)))
 
     def of_coefficients(self, sigma_a: Any, sigma_s: Any) -> Any:
         """Return the surface colour for absorption and scattering (*not* reduced), in any common unit."""
         xp = namespace(sigma_a, sigma_s)
         extinction = xp.maximum(sigma_a + sigma_s * (1.0 - self.g), 1e-20)
         absorbed = xp.select(sigma_s > 0.0, xp.minimum(sigma_a / extinction, 1.0), 1.0)
-        return plain(self.color_of_falloff(xp.sqrt(3.0 * absorbed)))
+        return self._color(1.0 - absorbed, xp.sqrt(3.0 * absorbed))
+
+    def _color(self, albedo_prime: Any, falloff: Any) -> Any:
+        """Return the surface colour for both at once, each with the digits that the other has lost."""
+        series = _series(self.lightness, falloff * (2.0 / _DARKEST) - 1.0)
+        return plain(self.reach * albedo_prime * namespace(falloff).exp(falloff * series))
 
 
 def color_to_albedo(color: Any, eta: float, g: float = 0.0, alpha: float = 0.0) -> Any:

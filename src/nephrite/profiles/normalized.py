@@ -7,12 +7,10 @@ function of A, in three parametrisations:
 - "diffuse": light enters evenly, `d = mfp / (1.9 - A + 3.5 (A - .8)^2)`;
 - "dmfp": by the diffuse mean free path, `d = dmfp / (3.5 + 100 (A - .33)^4)`.
 
-From coefficients: A is `surface_albedo`, which knows the interface - for normal incidence with "searchlight", for even
-light else, as renders have it. mfp = 1 / sigma_t'; dmfp = 1 / sigma_tr with Grosjean's
-`sigma_tr^2 = 3 sigma_a sigma_t'^2 / (2 sigma_a + sigma_s')`, as in the authors' photon beam diffusion, but at most 60
-mean free paths: with less absorption, a half-space's profile hardly grows wider. The fits were made without an
-interface, which spreads the light: with the right total, L1 errors in even light at eta 1.3 and 1.5, albedo' .3 to .99,
-are 7 to 55 % with "diffuse" and 7 to 18 % with "dmfp". So `make` goes by dmfp.
+`make` goes by the third, whose fit is nearest under an interface, which spreads the light: the others were made
+without. A is the exact total in even light (`nephrite.physics.color`); dmfp = 1 / sigma_tr with Grosjean's `sigma_tr^2
+= 3 sigma_a sigma_t'^2 / (2 sigma_a + sigma_s')`, as in the authors' photon beam diffusion, but at most 60 mean free
+paths: with less absorption, a half-space's profile hardly grows wider.
 """
 
 from __future__ import annotations
@@ -22,9 +20,9 @@ from typing import Any
 
 from nephrite.errors import unknown_name
 from nephrite.physics._arrays import namespace, plain
+from nephrite.physics.color import color_map
 from nephrite.profiles._poles import LEAST_EXTINCTION
 from nephrite.profiles.base import Model, RadialProfile
-from nephrite.profiles.surface_albedo import surface_albedo
 
 __all__ = ["MODEL", "PARAMETRISATIONS", "NormalizedDiffusion"]
 
@@ -56,24 +54,6 @@ class NormalizedDiffusion(RadialProfile):
             scale = 3.5 + 100.0 * squared * squared
         self.color = color
         self.d = plain(length / scale)
-
-    @classmethod
-    def from_coefficients(
-        cls, sigma_a: Any, sigma_s_prime: Any, eta: float, g: float = 0.0, parametrisation: str = "dmfp"
-    ) -> NormalizedDiffusion:
-        """Build the profile of a medium: absorption and reduced scattering (1/length), eta = inside / outside.
-
-        `g` counts in the total only.
-        """
-        xp = namespace(sigma_a, sigma_s_prime)
-        sigma_t_prime = xp.maximum(sigma_a + sigma_s_prime, LEAST_EXTINCTION)
-        length = 1.0 / sigma_t_prime
-        if parametrisation == "dmfp":
-            share = sigma_a / sigma_t_prime
-            falloff = xp.sqrt(3.0 * share / (1.0 + share))
-            length = length / xp.maximum(falloff, 1.0 / _LONGEST)
-        incidence = "normal" if parametrisation == "searchlight" else "diffuse"
-        return cls(surface_albedo(sigma_a, sigma_s_prime, eta, g, incidence), length, parametrisation)
 
     def reach(self) -> Any:
         """Length within which 99 % leaves."""
@@ -115,8 +95,14 @@ class NormalizedDiffusion(RadialProfile):
 
 
 def make(sigma_a: Any, sigma_s_prime: Any, eta: float, g: float = 0.0) -> NormalizedDiffusion:
-    """Build the profile by the diffuse mean free path."""
-    return NormalizedDiffusion.from_coefficients(sigma_a, sigma_s_prime, eta, g)
+    """Build the profile by the diffuse mean free path; `g` counts in the total only."""
+    colors = color_map(eta, g)
+    xp = namespace(sigma_a, sigma_s_prime)
+    sigma_t_prime = xp.maximum(sigma_a + sigma_s_prime, LEAST_EXTINCTION)
+    share = sigma_a / sigma_t_prime
+    falloff = xp.maximum(xp.sqrt(3.0 * share / (1.0 + share)), 1.0 / _LONGEST)
+    total = colors.of_coefficients(sigma_a, sigma_s_prime / (1.0 - g))
+    return NormalizedDiffusion(total, 1.0 / sigma_t_prime / falloff, "dmfp")
 
 
 MODEL = Model(
