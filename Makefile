@@ -38,6 +38,8 @@ figures: $(INSTALLED)
 	$(BIN)/nephrite compare dragon --material skimmilk --light benchmark --terms 'reduced | single | multiple | all' \
 	  --resolution 640x480 -o out/figures/single-multiple.png
 	$(BIN)/nephrite render dragon --material jade --resolution 960x720 --time 90s -o out/figures/jade-dragon.png
+	$(BIN)/nephrite profile "skim milk" --models tabulated,photon_beam,normalized,dipole \
+	  -o out/figures/profile-skim-milk.png
 
 test: $(DEVELOPED)
 	$(BIN)/python -m pytest $(PYTEST)

@@ -185,6 +185,14 @@ def test_rougher_is_darker_and_a_little_roughness_is_nearly_smooth():
     np.testing.assert_allclose(of.albedo(colors), color.color_to_albedo(colors, 1.4, 0.5), rtol=2e-3)
 
 
+def test_a_rough_surface_loses_the_light_that_the_module_says():
+    at = color_halfspace.streams(1.5, 24)
+    surface = color_interface.interface(at, 1.5, 0.3)
+    flux = at.weights * at.cosines
+    kept = flux @ (surface.transmits + surface.reflects.sum(axis=1))
+    assert 1 - kept / flux.sum() == pytest.approx(0.18, abs=0.005)
+
+
 @pytest.mark.parametrize("eta", [0.8, 1.0, 1.1, 1.5, 2.0])
 def test_what_enters_a_smooth_surface_is_not_reflected(eta):
     entering = color.color_map(eta).entering

@@ -112,7 +112,10 @@ def flat_total(model, w):
     return float(np.sum(values.mean(axis=1) * r * r) * 2.0 * math.pi * math.log(r[1] / r[0]))
 
 
-@pytest.mark.parametrize(("albedo", "total"), [(0.5, 0.224), (0.95, 0.602), (0.999, 1.103)])
+@pytest.mark.parametrize(
+    ("albedo", "total"),
+    [(0.5, 0.224), (0.8, 0.356), (0.95, 0.602), (0.99, 0.871), (0.999, 1.103), (1.0, 1.240)],
+)
 def test_a_plane_sends_out_what_the_documentation_says(albedo, total):
     """More than it should, that is: no paper promises energy. On a plane both kinds agree if w_i and w_o do."""
     up, slanted = np.array([0.0, 0.0, 1.0]), unit(np.array([0.5, 0.2, 1.0]))

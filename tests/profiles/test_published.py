@@ -38,6 +38,11 @@ def test_photon_beam_is_too_bright_as_published(albedo, exact, off):
     assert 100.0 * (total / exact - 1.0) == pytest.approx(off, abs=0.5)
 
 
+@pytest.mark.parametrize(("eta", "total"), [(1.0, 1.09), (1.3, 1.035)])
+def test_photon_beam_makes_energy_without_absorption(eta, total):
+    assert PhotonBeam(0.0, 1.0, eta).albedo() == pytest.approx(total, abs=3e-3)
+
+
 def test_better_dipole_alone_keeps_energy_without_absorption():
     assert BetterDipole(0.0, 1.0, 1.0).albedo() == pytest.approx(1.0)
 

@@ -2,8 +2,8 @@
 
 A walk that arrives at the surface leaves in one direction only, so no light can be connected to it. Averaged
 over walks the light that leaves is spread over the whole hemisphere: `ExitLobe.pdf` is that lobe if the
-radiance inside is uniform. It is not quite: light that leaves has a memory of where it came from, which is
-the 6 % that a plain lobe lacks on a side-lit ball. `ExitLobe.kernel` brings it back. The outgoing radiance,
+radiance inside is uniform. It is not quite: light that leaves has a memory of where it came from, without
+which a side-lit ball is too dark. `kernel` brings it back. The outgoing radiance,
 relative to the plain lobe, is expanded in functions that are orthonormal under the lobe,
 
     1,   x sqrt(2/m2),   y sqrt(2/m2),   (r^2 - m2)/s,   (x^2 - y^2) sqrt(2/m4),   2xy sqrt(2/m4),

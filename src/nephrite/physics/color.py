@@ -8,7 +8,7 @@ average, and the highlight.
 A rough surface is Mitsuba's `roughdielectric` (GGX), which loses the light that would meet a second microfacet. Most is
 lost from inside, where light meets the surface again and again: no medium under it shows more than `reach`.
 
-A map is computed when first needed, in some 10 ms (50 ms if rough), by discrete ordinates for 20 albedos, and kept as
+A map is computed when first needed, by discrete ordinates for 20 albedos, and kept as
 two polynomials. It has no noise. From a colour of .02 on, its error is below .001 of the colour for an index of .7 to 2
 and g from -.5 to .99, below .002 at g = -.9, and below .003 up to an index of 2.5. Textures go through it for some
 twenty multiplications.

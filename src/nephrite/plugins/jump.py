@@ -1,10 +1,11 @@
-"""The dipole's share of a path: from the second event of a walk straight to another point of the surface.
+"""A diffusion model's share of a path: from the second event of a walk straight to another point of the surface.
 
 Up to its second event a path is a walk, so that the reduced and the single-scattered light are what they are. What
-scatters a second time is the multiple scattering that the dipole stands for: the path jumps to a point of the surface
-around its entry. On a half-space the three terms add up to the dipole's published reflectance: the jump's kernel (see
-`kernels`) is `R(r) (Rd - a h) / Rd`, with Rd the dipole's albedo, a the single-scattering albedo and `a h` the light
-that leaves after one event; `a^2 (1 - h)`, what reaches a second one, is in the path's throughput already.
+scatters a second time is the multiple scattering that the model stands for: the path jumps to a point of the surface
+around its entry. On a half-space the three terms add up to the model's total. For a model of all scattered light the
+jump's kernel (see `nephrite.bssrdf.kernel`) is `R(r) (Rd - a h) / Rd`, with Rd the model's total, a the
+single-scattering albedo and `a h` the light that leaves after one event; a model of multiple scattering is its own
+kernel. `a^2 (1 - h)`, what reaches a second event, is in the path's throughput already.
 
 Every point on a probe's chord takes part with its share, and one is chosen in proportion to it. Where folds and thin
 parts put more surface around a point than a half-space has, the shares would add up to more light than there is:

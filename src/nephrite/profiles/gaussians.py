@@ -121,9 +121,9 @@ def _table(eta: float, g: float) -> tuple[tuple[float, ...], ...]:
 
 
 def make(sigma_a: Any, sigma_s_prime: Any, eta: float, g: float = 0.0) -> GaussianSum:
-    """Build the sum that fits photon beam diffusion; 2 to 8 % (L1) from it, more where nothing is absorbed.
+    """Build the sum that fits photon beam diffusion; at most 8 % (L1) from it, more where nothing is absorbed.
 
-    Each pair of `eta` and `g` is fitted once, in about a second.
+    Each pair of `eta` and `g` is fitted once, which takes a moment.
     """
     xp = namespace(sigma_a, sigma_s_prime)
     sigma_t_prime = xp.maximum(sigma_a + sigma_s_prime, LEAST_EXTINCTION)

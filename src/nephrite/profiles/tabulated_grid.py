@@ -73,7 +73,7 @@ def _interpolating(intervals: int, first: tuple[float, float, float]) -> np.ndar
 
 @lru_cache(maxsize=64)
 def grid(eta: float, g: float, incidence: str, orders: str) -> Grid:
-    """Build the grid for an index and a mean cosine: shapes by interpolation, totals exact (about .2 s; cached)."""
+    """Build the grid for an index and a mean cosine: shapes by interpolation, totals exact (cached)."""
     multiple, single, rate = shape.load().at(eta, g, incidence)
     power = 2 if orders == "multiple" else 1
     t = np.linspace(0.0, 1.0, ROWS + 1)
