@@ -104,6 +104,7 @@ def simulate(
     eta: float = 1.0,
     g: float = 0.0,
     thickness: float = math.inf,
+    *,
     incidence: str | float = "normal",
     beam_radius: float = 0.0,
     paths: int = 2**20,

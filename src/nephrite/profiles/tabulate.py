@@ -52,8 +52,9 @@ def simulate(incidence: str, eta: float, g: float, seed: int, scale: float = 1.0
 
     def traced(paths: int, seed: int, longest: int) -> searchlight.Searchlight:
         return searchlight.simulate(
-            eta, g, math.inf, incidence, 0.0, int(scale * paths), seed, longest, radii=(1e-4, 3e5, 190)
-        )
+            eta, g, incidence=incidence, paths=int(scale * paths), seed=seed, longest=longest,
+            radii=(1e-4, 3e5, 190),
+        )  # fmt: skip
 
     short = traced(_SHORT_PATHS[effort], seed, EXACT_ORDERS + 1)
     return short, traced(_PATHS[effort], seed + 1, 2**20 if g < 0.6 else 2**21)
