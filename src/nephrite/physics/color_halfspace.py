@@ -3,6 +3,10 @@
 Everything is averaged over the azimuth, which loses nothing where light is diffuse. No noise and no table: radiance is
 known at some tens of cosines (`Streams`), between which quadrature is exact for polynomials, and the radiative transfer
 equation becomes an eigenvalue problem of that size (Chandrasekhar 1960; Stamnes et al. 1988).
+
+It is for `color`: a rough surface sends light back along other cosines than it came from, so radiance must be known
+between the nodes, and its whitest colour is that of a medium without absorption. `halfspace` solves the same for
+totals under a smooth surface; tests/physics/test_color.py compares the two.
 """
 
 from __future__ import annotations

@@ -6,7 +6,9 @@ interface adds a geometric series of internal reflections. The directions inside
 critical angle, those of light that passes chosen by their refracted cosine, where Fresnel's reflectance is smooth.
 Forward peaks are truncated, with the single scattering put right (delta-M; Wiscombe 1977, Nakajima and Tanaka 1988).
 
-Nothing here knows a length: a half-space has none. Light is counted per light that has *entered*.
+Nothing here knows a length: a half-space has none. Light is counted per light that has *entered*. The profiles and the
+atlas take their totals and directions from here, by order of scattering and for straight light too. `color_halfspace`
+solves the same in another form, for rough surfaces and up to no absorption: tests/physics/test_color.py compares them.
 """
 
 from __future__ import annotations
