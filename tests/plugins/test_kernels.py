@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from nephrite.bssrdf import kernel
-from nephrite.plugins.kernels import Kernels
+from nephrite.plugins.kernels import HalfSpaces
 from nephrite.profiles import MODELS
 
 
@@ -23,7 +23,7 @@ def _place(kernels, number, sigma_a, sigma_s_prime, g=0.0):
 @pytest.mark.parametrize("model", MODELS)
 def test_lookups_are_the_models_values(model):
     """Less than 1 % of the light that leaves the plane leaves elsewhere."""
-    kernels = Kernels([_Entry(1.5, 0.0), _Entry(1.3, 0.5)], model)
+    kernels = HalfSpaces([_Entry(1.5, 0.0), _Entry(1.3, 0.5)], model)
     extinction = 2.5
     r = np.geomspace(0.005, 100, 400)
     for number, (eta, g) in enumerate(((1.5, 0.0), (1.3, 0.5)), start=1):
@@ -36,7 +36,7 @@ def test_lookups_are_the_models_values(model):
 
 
 def test_empty_channels_send_nothing():
-    kernels = Kernels([_Entry(1.3, 0.0)], "dipole")
+    kernels = HalfSpaces([_Entry(1.3, 0.0)], "dipole")
     place = _place(kernels, 1, [1.0, 0.0, 0.5], [0.0, 0.0, 0.5])
     value = np.exp2(np.array(kernels.log_kernel(place, mi.Float([0.1, 1.0, 10.0]))))
     assert np.all(np.isfinite(value))
@@ -50,7 +50,7 @@ def test_jumps_draw_distances_that_their_density_states():
     """Over a plane: the mean of 1 / density over what is drawn within a disc is its area (4 sigma: 6e-5)."""
     from nephrite.bssrdf import probe
 
-    kernels = Kernels([_Entry(1.3, 0.0)], "dipole")
+    kernels = HalfSpaces([_Entry(1.3, 0.0)], "dipole")
     place = _place(kernels, 1, 0.02, 1.0)
     (first, second, share), *_ = kernels.poles(place)
     rng = np.random.default_rng(2)

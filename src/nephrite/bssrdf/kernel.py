@@ -25,7 +25,7 @@ import numpy as np
 from nephrite.physics.single import single_scattering_share
 from nephrite.profiles import models
 
-__all__ = ["EDGES", "FIRST", "ROWS", "STEP", "Table", "albedos", "multiple", "tabulate", "tabulated"]
+__all__ = ["EDGES", "FIRST", "ROWS", "STEP", "Table", "albedos", "multiple", "table", "tabulate", "tabulated"]
 
 ROWS = 64
 EDGES = 137
@@ -42,10 +42,10 @@ _SHARES = np.array([0.3, 0.5, 0.7, 0.85])
 
 @dataclass(frozen=True)
 class Table:
-    """A kernel over `ROWS` values of t and `EDGES` of the distance; lengths in reduced mean free paths.
+    """A kernel over `EDGES` of the distance, in rows: `ROWS` values of t, or others (see `fixed`).
 
-    `log_kernel`: [ROWS, EDGES], logarithm to base 2 of the kernel per area. `poles`: [ROWS, 3], depths of two
-    poles and the share of the first.
+    `log_kernel`: [rows, EDGES], logarithm to base 2 of the kernel per area. `poles`: [rows, 3], depths of two
+    poles and the share of the first. Lengths in reduced mean free paths.
     """
 
     log_kernel: np.ndarray
@@ -80,13 +80,18 @@ def multiple(model: str, albedo_prime: Any, r: Any, eta: float, g: float) -> Any
 def tabulate(kernel: Callable[[Any, Any], Any]) -> Table:
     """Tabulate `kernel(albedo_prime, r)`, per area, for arrays that broadcast; r in reduced mean free paths."""
     rows = albedos()[:, None]
+    return table(lambda r: kernel(rows, r), ROWS)
+
+
+def table(kernel: Callable[[np.ndarray], Any], rows: int) -> Table:
+    """Tabulate `kernel(r)`, per area, which returns [rows, N] for distances [1, N]."""
     edges = np.exp2(FIRST + STEP * np.arange(EDGES))
     inner = np.concatenate([[0.0], edges[:-1]])
     middle, half = 0.5 * (edges + inner), 0.5 * (edges - inner)
     r = (middle[:, None] + half[:, None] * _PARTS).ravel()
     area = (half[:, None] * _WEIGHTS).ravel() * 2.0 * math.pi * r
-    values = _clean(kernel(rows, r[None, :]), (ROWS, r.size))
-    at_edges = _clean(kernel(rows, edges[None, :]), (ROWS, EDGES))
+    values = _clean(kernel(r[None, :]), (rows, r.size))
+    at_edges = _clean(kernel(edges[None, :]), (rows, EDGES))
     log_kernel = np.where(at_edges > 0, np.log2(np.maximum(at_edges, 2.0**_EMPTY)), _EMPTY)
     return Table(log_kernel, _poles(values, r, area))
 

@@ -20,6 +20,8 @@ def compare(
     material: options.Material = None,
     size: options.Size = None,
     model: options.Model = None,
+    profile: options.Profile = None,
+    thickness: options.Thickness = None,
     light: options.Light = None,
     spp: options.Spp = None,
     time: options.Time = None,
@@ -52,6 +54,7 @@ def compare(
     base = job.Settings.given(
         source, material=material or own, size=size, light=light, alpha=alpha, up=up, model=model, exit=exit,
         resolution=resolution, spp=spp, time=time, noise=noise, seed=seed,
+        profile=profile, thickness=thickness,
     )  # fmt: skip
     settings = {label: one.checked() for label, one in panels.variations(base, values).items()}
     if len(settings) < 2:
@@ -77,7 +80,7 @@ def compare(
             complain("Stopped: no figure was written.")
             raise typer.Exit(INTERRUPTED)
     against = shown[0 if reference == "first" else -1]
-    title = base.checked().title() if "material" not in values else Path(source).stem
+    title = Path(source).stem if "material" in values else next(iter(settings.values())).title()
     notes = {**base.notes(), "compared": " | ".join(settings), "reference": against.label}
     write.save(path, panels.laid_out(shown, against, title, exposure), notes)
     for panel, difference in zip(shown, panels.differences(shown, against), strict=True):

@@ -28,7 +28,8 @@ class Settings:
     """Everything that decides how a picture looks; written into its file.
 
     Lengths are in millimetres, times in seconds, `noise` is a fraction. Of the limits `spp`, `time` and
-    `noise` the first one reached ends the render; None leaves one out.
+    `noise` the first one reached ends the render; None leaves one out. `profile` and `thickness` belong to
+    the models measured and multipole.
     """
 
     source: str
@@ -45,6 +46,8 @@ class Settings:
     time: float | None = None
     noise: float | None = None
     seed: int = 0
+    profile: Path | None = None
+    thickness: float | None = None
 
     @classmethod
     def given(cls, source: str, **values: Any) -> Settings:
@@ -67,7 +70,19 @@ class Settings:
         """Return the integrator that these settings ask for."""
         from nephrite.scene import build
 
-        return build.integrator_dict(self.model, self.terms, self.exit)
+        return build.integrator_dict(**self.method())
+
+    def method(self) -> dict[str, Any]:
+        """Return the parameters of `scene.build.integrator_dict`."""
+        names = ("model", "terms", "exit", "profile", "thickness")
+        return {name: getattr(self, name) for name in names}
+
+    def apart_from(self, models: set[str]) -> Settings:
+        """Return the settings without what belongs to another of these models."""
+        from nephrite.plugins.settings import DETAILS
+
+        others = {name: None for name, owner in DETAILS.items() if owner in models - {self.model}}
+        return replace(self, **others)
 
     def checked(self) -> Settings:
         """Return the settings with the material's own name; ParameterError, with a suggestion, if unknown.
@@ -90,6 +105,8 @@ class Settings:
 
         dropped = OF_AN_OBJECT if is_scene_file(self.source) else ()
         values: dict[str, Any] = {**asdict(self), "size": f"{self.size:g}mm"}
+        if self.thickness is not None:
+            values["thickness"] = f"{self.thickness:g}mm"
         if self.resolution is not None:
             values["resolution"] = "{}x{}".format(*self.resolution)
         notes = {
@@ -141,9 +158,7 @@ class Subject:
                 resolution=settings.resolution or DEFAULT_RESOLUTION,
                 alpha=settings.alpha,
                 up=settings.up,
-                model=settings.model,
-                terms=settings.terms,
-                exit=settings.exit,
+                **settings.method(),
             ),
             optimize=build.OPTIMIZE,
         )

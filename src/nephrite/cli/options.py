@@ -107,9 +107,21 @@ Alpha = Annotated[
 Model = Annotated[
     str | None,
     typer.Option(
-        help="walk (if not given), auto, brdf, or a diffusion model such as dipole, photon_beam or tabulated.",
+        help="walk (if not given), auto, brdf, measured, or a model such as dipole, photon_beam or tabulated.",
         metavar="MODEL",
         parser=choice("model", _models),
+    ),
+]
+Profile = Annotated[
+    Path | None,
+    typer.Option(help="A measured profile: a CSV file of r (mm) and R (1/mm^2).", metavar="FILE"),
+]
+Thickness = Annotated[
+    float | None,
+    typer.Option(
+        help="For the model multipole: thickness of the plate or sheet, such as 5mm; without end if not given.",
+        metavar="LENGTH",
+        parser=reading(quantities.length, "LENGTH"),
     ),
 ]
 Terms = Annotated[

@@ -54,9 +54,11 @@ class Difference:
 def variations(base: Settings, lists: Mapping[str, Sequence[str]]) -> dict[str, Settings]:
     """Return `base` with every combination of the values in `lists` (setting: values), by label."""
     combinations = product(*lists.values())
-    return {
+    found = {
         ", ".join(values): replace(base, **dict(zip(lists, values, strict=True))) for values in combinations
     }
+    models = {one.model for one in found.values()}
+    return {label: one.apart_from(models) for label, one in found.items()}
 
 
 def rendered(subject: Subject, settings: Settings, label: str, denoise: bool) -> Panel:

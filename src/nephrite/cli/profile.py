@@ -48,6 +48,7 @@ def profile(
     output: Plot = None,
     table: Table = None,
     photons: Photons = None,
+    profile: options.Profile = None,
     material_file: options.MaterialFile = None,
     seed: options.Seed = 0,
 ) -> None:
@@ -62,16 +63,19 @@ def profile(
     from nephrite import materials
     from nephrite.cli import job
     from nephrite.image import plot, write
-    from nephrite.profiles import accuracy
+    from nephrite.profiles import accuracy, measured
     from nephrite.profiles.models import MODELS, find
 
     clock = job.Clock()
     job.register_materials(material_file)
     found = materials.find(material)
     chosen = [find(name) for name in (MODELS if models == "all" else split(models))]
-    if not 0 < len(chosen) <= plot.MOST_LINES:
+    columns = measured.read(profile) if profile is not None else ()
+    own = [measured.model(column) for column in (columns * 3)[:3]]
+    most = plot.MOST_LINES - bool(own)
+    if not 0 < len(chosen) <= most:
         raise ParameterError(
-            f"--models names {len(chosen)} models: give 1 to {plot.MOST_LINES}, such as {DEFAULT_MODELS}"
+            f"--models names {len(chosen)} models: give 1 to {most}, such as {DEFAULT_MODELS}"
         )
     path = output or Path(f"{found.name.replace(' ', '-')}-profile.png")
     for file, suffixes in ((path, plot.SUFFIXES), (table, (".csv",))):
@@ -83,7 +87,7 @@ def profile(
     console = Console(stderr=True)
     with clock.step("simulation"), console.status(f"Simulating {count:,} photons ..."):
         truths = accuracy.simulate(medium, count, seed)
-    channels = distinct(medium, truths)
+    channels = distinct(medium, truths, len(columns) > 1)
     if not channels:
         raise ParameterError(
             f"{found.name} does not scatter: no light leaves it, and there is nothing to plot."
@@ -92,7 +96,7 @@ def profile(
         compared = {
             (i, model.name): accuracy.compare(model, medium, i, truth)
             for i, (truth, _) in channels.items()
-            for model in chosen
+            for model in [*chosen, *own[i : i + 1]]
         }
     panels = [panel(medium, i, label, truth, compared) for i, (truth, label) in channels.items()]
     subtitle = (
@@ -105,6 +109,7 @@ def profile(
         "models": ",".join(m.name for m in chosen),
         "photons": str(count),
         "seed": str(seed),
+        **({"profile": str(profile)} if profile is not None else {}),
     }
     written = [plot.save(path, figure, notes)]
     if table is not None:
@@ -113,11 +118,11 @@ def profile(
     typer.echo("".join(f"wrote {file}\n" for file in written) + str(clock))
 
 
-def distinct(medium: Medium, truths: list[Truth | None]) -> dict[int, tuple[Truth, str]]:
-    """Return the channels that scatter, by number, with their labels; equal ones once."""
-    groups: dict[tuple[float, float], list[int]] = {}
+def distinct(medium: Medium, truths: list[Truth | None], apart: bool) -> dict[int, tuple[Truth, str]]:
+    """Return the channels that scatter, by number, with their labels; equal ones once, unless all are to stay apart."""
+    groups: dict[tuple[float, ...], list[int]] = {}
     for i in range(3):
-        groups.setdefault((medium.sigma_a[i], medium.sigma_s[i]), []).append(i)
+        groups.setdefault((medium.sigma_a[i], medium.sigma_s[i], i if apart else 0), []).append(i)
     found = {}
     for members in groups.values():
         truth = truths[members[0]]

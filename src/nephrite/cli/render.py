@@ -15,6 +15,8 @@ def render(
     material: options.Material = None,
     size: options.Size = None,
     model: options.Model = None,
+    profile: options.Profile = None,
+    thickness: options.Thickness = None,
     terms: options.Terms = None,
     light: options.Light = None,
     spp: options.Spp = None,
@@ -45,6 +47,7 @@ def render(
     settings = job.Settings.given(
         source, material=material or own, size=size, light=light, alpha=alpha, up=up, model=model,
         terms=terms, exit=exit, resolution=resolution, spp=spp, time=time, noise=noise, seed=seed,
+        profile=profile, thickness=thickness,
     ).checked()  # fmt: skip
     paths = output or [Path(settings.title().replace(" in ", "-").replace(" ", "-") + ".png")]
     for path in paths:

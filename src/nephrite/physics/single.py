@@ -1,4 +1,4 @@
-"""Single scattering in a half-space: how much of the light that has entered leaves after one event."""
+"""Single scattering in a half-space or a slab: how much of the light that has entered leaves after one event."""
 
 from __future__ import annotations
 
@@ -9,9 +9,10 @@ import numpy as np
 
 from nephrite.physics import fresnel, phase
 
-__all__ = ["single_scattering_share"]
+__all__ = ["single_scattering_share", "slab_shares"]
 
 _NODES = 48
+_THICKEST = 1e4  # mean free paths: stands for infinity
 
 
 @lru_cache(maxsize=256)
@@ -22,17 +23,34 @@ def single_scattering_share(g: float, eta: float) -> float:
     section 14) single scattering, `mu / (mu + mu_i)`, weighted by the Henyey-Greenstein phase function and by what
     the interface lets out. Of the rest, `1 - h` per albedo, all scatters again. Gauss-Legendre quadrature; cached.
     """
+    return slab_shares(g, eta, math.inf)[0]
+
+
+def slab_shares(g: float, eta: float, thickness: float) -> tuple[float, float]:
+    """Return what leaves a slab through the face of entry, and through the other one, after one event, per albedo.
+
+    Shares of the diffusely incident, refracted light that scatters in the slab, of `thickness` > 0 in mean free paths.
+    Paths on which a face reflects light back into the slab are left out.
+    """
     nodes, weights = np.polynomial.legendre.leggauss(_NODES)
     unit, unit_weights = 0.5 * (nodes + 1.0), 0.5 * weights
     outside = unit
     entering = unit_weights * outside * (1.0 - fresnel.reflectance(outside, eta))
     entering = entering / entering.sum()
-    mu_i = np.asarray(fresnel.refracted_cosine(outside, eta))[:, None, None]
+    mu_i = np.asarray(fresnel.refracted_cosine(outside, eta))[:, None]
     critical = math.sqrt(max(1.0 - 1.0 / eta**2, 0.0))
-    mu = (critical + (1.0 - critical) * unit)[None, :, None]
-    mu_weights = (1.0 - critical) * unit_weights
+    mu = (critical + (1.0 - critical) * unit)[None, :]
+    mu_weights = (1.0 - critical) * unit_weights * (1.0 - fresnel.reflectance(-mu[0], eta))
+    deep = min(thickness, _THICKEST)
+    # over all depths of the event: e^(-depth / mu_i) / mu_i on the way in, and what is left of e^(-path) on the way out
+    back = mu / (mu + mu_i) * -np.expm1(-deep * (1.0 / mu + 1.0 / mu_i))
+    apart = np.maximum(deep * np.abs(1.0 / mu_i - 1.0 / mu), 1e-12)
+    across = deep / mu_i * np.exp(-deep / np.maximum(mu, mu_i)) * -np.expm1(-apart) / apart
     azimuth = (math.pi * unit)[None, None, :]
-    cosine = -mu_i * mu + np.sqrt(1.0 - mu_i**2) * np.sqrt(1.0 - mu**2) * np.cos(azimuth)
-    scattered = 2.0 * math.pi * np.tensordot(phase.eval(cosine, g), unit_weights, axes=([2], [0]))
-    leaving = (1.0 - fresnel.reflectance(-mu[..., 0], eta)) * mu[..., 0] / (mu[..., 0] + mu_i[..., 0])
-    return float(entering @ (scattered * leaving) @ mu_weights)
+    sideways = (np.sqrt(1.0 - mu_i**2) * np.sqrt(1.0 - mu**2))[..., None] * np.cos(azimuth)
+    scatters = float(entering @ -np.expm1(-deep / mu_i[:, 0]))
+    shares = []
+    for forward, depths in ((-mu_i * mu, back), (mu_i * mu, across)):
+        phases = 2.0 * math.pi * phase.eval(forward[..., None] + sideways, g) @ unit_weights
+        shares.append(float(entering @ (phases * depths) @ mu_weights) / scatters)
+    return shares[0], shares[1]

@@ -44,11 +44,14 @@ class Choice:
     reason: str
 
 
-def choose(model: str, media: Any, scene: Any) -> list[Choice]:
-    """Set the model of every material of `media`; return what was chosen for which."""
+def choose(model: str, media: Any, scene: Any, **details: Any) -> list[Choice]:
+    """Set the model of every material of `media`; return what was chosen for which.
+
+    `details`: what else `Media.set_models` needs to know of a diffusion model.
+    """
     if model != "auto":
         fixed = {"walk": WALK, "brdf": LOCAL}.get(model, JUMP)
-        media.set_models([fixed] * len(media.entries), model)
+        media.set_models([fixed] * len(media.entries), model, **details)
         return [Choice(entry.name, model, "as asked for") for entry in media.entries]
     chosen = [_choose(entry) for entry in media.entries]
     media.set_models([code for code, _ in chosen], DIFFUSION)

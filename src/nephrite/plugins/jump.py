@@ -92,19 +92,12 @@ def visit(
     `place`, `there`: where to look for the kernels at the entry and at the point; None if they are the same.
     `balance`: log2 of what the kernel is divided by. `side`: 1 where the normal of `si` points outward, -1 elsewhere.
     """
-    offset = si.p - origin
+    offset, normal = si.p - origin, mi.Vector3f(si.n * side)
     poles = []
     for q, (first, second, share) in zip(_preference(β), kernels.poles(place), strict=True):
         poles += [(first, q * share), (second, q * (1.0 - share))]
-    density = probe.density(poles, mi.Frame3f(outward), offset, si.n, kernels.core(place))
-    distance = dr.norm(offset)
-    logarithm = kernels.log_kernel(place, distance)
-    if there is not None:
-        logarithm = 0.5 * (logarithm + kernels.log_kernel(there, distance))
-    value = dr.exp2(logarithm - balance)
-    normal = mi.Vector3f(si.n * side)
-    if kernels.finite:
-        value *= kernels.facing(place, there, offset, outward, normal)
+    density = probe.density(poles, mi.Frame3f(outward), offset, normal, kernels.core(place))
+    value = dr.exp2(kernels.between(place, there, offset, outward, normal) - balance)
     part = dr.select(density > 0, value / dr.maximum(density, 1e-30), 0.0)
     worth = dr.select(active, dr.sum(β * part), 0)
     total = search.total + worth

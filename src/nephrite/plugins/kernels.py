@@ -7,6 +7,7 @@ points stays reciprocal.
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,56 +21,65 @@ from nephrite.profiles import models
 
 @dataclass
 class Place:
-    """Where to look for a point's kernel: first row of its material; row, and log2 of sigma_t', per channel."""
+    """Where to look for a point's kernel: first row of its material; the others per channel.
+
+    `row`: from the first; `log_scale`: log2 of the table's lengths per scene unit; `log_gain`: log2 of what its values
+    are multiplied by. `thickness`: of a slab, in scene units.
+    """
 
     first: Any
     row: Any
     log_scale: Any
+    log_gain: Any
+    thickness: Any = 0.0
 
 
-class Kernels:
-    """Tables of the materials numbered from 1, and lookups in them; lengths in scene units."""
+class Kernels(ABC):
+    """Tables of the materials numbered from 1, and lookups in them; lengths in scene units.
 
-    def __init__(self, entries: list[Any], model: str) -> None:
-        """Look up the tables of a diffusion model for `media.Entry` objects."""
-        self.finite = models.find(model).finite
-        tables = [kernel.tabulated(model, entry.eta, entry.g) for entry in entries]
+    `finite`: whether the light is fitted to the object, see `balance`.
+    """
+
+    finite = False
+
+    def __init__(self, tables: list[kernel.Table]) -> None:
+        """Put the tables' rows on the device, one after the other."""
         self._corners = _flat([_corners(table.log_kernel) for table in tables])
         self._poles = _flat([np.pad(table.poles, ((0, 0), (0, 1))) for table in tables])
         dr.eval(self._corners, self._poles)
 
+    @abstractmethod
     def place(self, number: Any, sigma_a: Any, sigma_s: Any, g: Any) -> Place:
         """Find the rows for the coefficients of material `number`, per channel."""
-        extinction = dr.maximum(sigma_a + sigma_s * (1.0 - g), 1e-20)
-        absorbed = dr.select(sigma_s > 0, dr.minimum(sigma_a / extinction, 1.0), 1.0)
-        row = dr.sqrt(dr.sqrt(absorbed)) * (kernel.ROWS - 1.0)
-        return Place((number - 1) * kernel.ROWS, mi.Spectrum(row), mi.Spectrum(dr.log2(extinction)))
 
     def core(self, place: Place) -> Any:
         """Longest reduced mean free path of the channels."""
         return dr.exp2(-dr.min(place.log_scale))
 
-    def facing(self, place: Place, there: Any, offset: Any, n_o: Any, n_i: Any) -> Any:
-        """Light between two points of a body over that on a plane, per channel; see `finite.facing`.
+    def between(self, place: Place, there: Any, offset: Any, n_o: Any, n_i: Any) -> Any:
+        """Logarithm to base 2 of the kernel between two points, per channel.
 
-        `there` as in `jump.visit`: sigma_tr is the mean of those at both ends.
+        `place`, `there`: where to look for the kernels at the two points; None if they are the same. `offset`: from the
+        first to the second; `n_o`, `n_i`: unit normals there, outward.
         """
-        sigma_tr = _sigma_tr(place)
-        if there is not None:
-            sigma_tr = 0.5 * (sigma_tr + _sigma_tr(there))
-        return finite.facing(offset, n_o, n_i, sigma_tr)
+        result = self.seen(place, offset, n_o, n_i)
+        return result if there is None else 0.5 * (result + self.seen(there, offset, n_o, n_i))
+
+    def seen(self, place: Place, offset: Any, n_o: Any, n_i: Any) -> Any:
+        """Return what `between` does for the kernel of one place: here, of the distance alone."""
+        return self.log_kernel(place, dr.norm(offset))
 
     def log_kernel(self, place: Place, r: Any) -> Any:
         """Logarithm to base 2 of the kernel at the distance `r`, per channel."""
         found = []
         log_r = dr.log2(r)
-        for row, log_scale in zip(place.row, place.log_scale, strict=True):
+        for row, log_scale, gain in zip(place.row, place.log_scale, place.log_gain, strict=True):
             x = dr.clip((log_r + log_scale - kernel.FIRST) / kernel.STEP, 0.0, kernel.EDGES - 1.001)
             bin_, low = mi.UInt32(x), dr.minimum(mi.UInt32(row), kernel.ROWS - 2)
             u, v = x - mi.Float(bin_), row - mi.Float(low)
             c: Any = dr.gather(_four(), self._corners, (place.first + low) * (kernel.EDGES - 1) + bin_)
             value = dr.lerp(dr.lerp(c[0], c[1], u), dr.lerp(c[2], c[3], u), v)
-            found.append(value + 2.0 * log_scale)
+            found.append(value + gain)
         return mi.Spectrum(found)
 
     def poles(self, place: Place) -> list[tuple[Any, Any, Any]]:
@@ -82,9 +92,35 @@ class Kernels:
         return found
 
 
-def _sigma_tr(place: Place) -> Any:
-    """`sqrt(3 (1 - a')) sigma_t'`, of which rows hold the fourth root of 1 - a'."""
-    return math.sqrt(3.0) * dr.square(place.row / (kernel.ROWS - 1.0)) * dr.exp2(place.log_scale)
+class HalfSpaces(Kernels):
+    """Kernels of a diffusion model in `nephrite.profiles.models`, by reduced albedo."""
+
+    def __init__(self, entries: list[Any], model: str) -> None:
+        """Look up the tables for `media.Entry` objects."""
+        self.finite = models.find(model).finite
+        super().__init__([kernel.tabulated(model, entry.eta, entry.g) for entry in entries])
+
+    def place(self, number: Any, sigma_a: Any, sigma_s: Any, g: Any) -> Place:
+        """Find the rows for the coefficients of material `number`, per channel."""
+        extinction = reduced_extinction(sigma_a, sigma_s, g)
+        absorbed = dr.select(sigma_s > 0, dr.minimum(sigma_a / extinction, 1.0), 1.0)
+        row = dr.sqrt(dr.sqrt(absorbed)) * (kernel.ROWS - 1.0)
+        log_scale = mi.Spectrum(dr.log2(extinction))
+        return Place((number - 1) * kernel.ROWS, mi.Spectrum(row), log_scale, 2.0 * log_scale)
+
+    def seen(self, place: Place, offset: Any, n_o: Any, n_i: Any) -> Any:
+        """As above; a finite model knows where the surface is seen through the body."""
+        result = super().seen(place, offset, n_o, n_i)
+        if not self.finite:
+            return result
+        # sqrt(3 (1 - a')) sigma_t', of which rows hold the fourth root of 1 - a'
+        sigma_tr = math.sqrt(3.0) * dr.square(place.row / (kernel.ROWS - 1.0)) * dr.exp2(place.log_scale)
+        return result + dr.log2(finite.facing(offset, n_o, n_i, sigma_tr))
+
+
+def reduced_extinction(sigma_a: Any, sigma_s: Any, g: Any) -> Any:
+    """Return sigma_t', above 0."""
+    return dr.maximum(sigma_a + sigma_s * (1.0 - g), 1e-20)
 
 
 def _corners(values: np.ndarray) -> np.ndarray:

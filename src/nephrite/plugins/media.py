@@ -7,6 +7,7 @@ knows its material by that number, and looks up here what it needs of it.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -22,8 +23,10 @@ from nephrite.physics.single import single_scattering_share
 from nephrite.plugins import directional
 from nephrite.plugins.directional import Directional
 from nephrite.plugins.field import Field
-from nephrite.plugins.kernels import Kernels
+from nephrite.plugins.fixed import Measured, Slabs
+from nephrite.plugins.kernels import HalfSpaces
 from nephrite.plugins.shapes import surface_points
+from nephrite.profiles.measured import MeasuredProfile
 
 WALK, JUMP, LOCAL, LOW = range(4)
 """What is computed under a surface."""
@@ -70,6 +73,11 @@ class Entry:
     def emitted(self, si: Any, active: Any) -> Any:
         """Return the volumetric emission per scene unit."""
         return self.bsdf.emitted(si, active) if self.bsdf is not None else mi.Spectrum(0.0)
+
+    @property
+    def unit(self) -> float:
+        """Length of a scene unit in millimetres; 1 for Mitsuba's own media, which know of none."""
+        return self.bsdf.unit if self.bsdf is not None else 1.0
 
     @property
     def boundary(self) -> float:
@@ -129,10 +137,17 @@ class Media:
         dr.eval(self._of_shape)
         self.set_models([WALK] * len(entries))
 
-    def set_models(self, models: list[int], diffusion: str = "dipole") -> None:
+    def set_models(
+        self,
+        models: list[int],
+        diffusion: str = "dipole",
+        profiles: tuple[MeasuredProfile, ...] = (),
+        thickness: float = math.inf,
+    ) -> None:
         """Set what is computed under each material's surface: `WALK`, `JUMP`, `LOCAL` or `LOW`.
 
-        `diffusion`: the model whose kernel jumps follow: of `nephrite.profiles.models`, or a directional one.
+        `diffusion`: the model whose kernel jumps follow: of `nephrite.profiles.models`, a directional one, or measured.
+        `profiles`: of `measured`; `thickness`: of `multipole`, in mm.
         """
         self.models = models
         self._model = mi.UInt32([WALK, *models])
@@ -141,8 +156,13 @@ class Media:
         self.diffusion = diffusion
         by_direction = diffusion in directional.MODELS
         self.directional: Any = Directional(self.entries, diffusion) if by_direction else None
-        radial = "dipole" if by_direction else diffusion
-        self.kernels: Any = Kernels(self.entries, radial) if self.any_jump else None
+        self.kernels: Any = None
+        if self.any_jump and profiles:
+            self.kernels = Measured(self.entries, profiles)
+        elif self.any_jump and thickness < math.inf:
+            self.kernels = Slabs(self.entries, thickness)
+        elif self.any_jump:
+            self.kernels = HalfSpaces(self.entries, "dipole" if by_direction else diffusion)
         self.balance = Field(len(self.entries))
 
     def jumps(self, number: Any) -> Any:

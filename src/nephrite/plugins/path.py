@@ -152,8 +152,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                 β = mi.Spectrum(weight / jump.arriving(sigma_s / dr.maximum(sigma_t, 1e-30), share))
                 ratio = channels.solo(β)
                 place = media.kernels.place(within, sigma_t - sigma_s, sigma_s, g)
-                search, start, looking = jump.begin(media.kernels, place, entry_p, entry_n, β, sampler, jumps)
-                ray.o, ray.d = start, looking
+                search, ray.o, ray.d = jump.begin(media.kernels, place, entry_p, entry_n, β, sampler, jumps)
 
         within = dr.select(escapes, outer, within)
         within_shape = dr.select(escapes, outer_shape, within_shape)

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
+
+import mitsuba as mi
 
 from nephrite.errors import ParameterError, unknown_name
 from nephrite.plugins import directional
-from nephrite.profiles import models
+from nephrite.profiles import measured, models
 
-MODELS = ("walk", "brdf", "auto", *models.MODELS, *directional.MODELS)
+MODELS = ("walk", "brdf", "auto", *models.MODELS, *directional.MODELS, "measured")
+DETAILS = {"profile": "measured", "thickness": "multipole"}
+"""Parameters that belong to one model alone."""
 EXITS = ("lobe", "exact")
 TERMS = ("reduced", "single", "multiple")
 NO_LIMIT = 0xFFFFFFFF
@@ -22,13 +27,14 @@ class Settings:
 
     def __init__(
         self, model: str, exit: str, terms: tuple[str, ...], max_depth: int, rr_depth: int, max_steps: int,
-        hide_emitters: bool,
+        hide_emitters: bool, profiles: tuple[measured.MeasuredProfile, ...], thickness: float,
     ) -> None:  # fmt: skip
         """Hold checked values."""
         self.model, self.exit = model, exit
         self.reduced, self.single, self.multiple = (term in terms for term in TERMS)
         self.max_depth, self.rr_depth, self.max_steps = max_depth, rr_depth, max_steps
         self.hide_emitters = hide_emitters
+        self.profiles, self.thickness = profiles, thickness
 
     @property
     def terms(self) -> str:
@@ -45,6 +51,13 @@ def read(props: Any) -> Settings:
     if exit_ not in EXITS:
         raise unknown_name("exit", exit_, EXITS)
     terms = _terms(str(props.get("terms", "all")))
+    profile, thickness = props.get("profile"), props.get("thickness")
+    check_details(model, profile, thickness)
+    if thickness is not None and mi.is_spectral:
+        raise ParameterError(
+            f"thickness is {thickness!r} in {mi.variant()}: a slab's kernels are made channel by channel, and a "
+            "wavelength is none; use an rgb or mono variant, leave thickness out, or use the model walk."
+        )
     return Settings(
         model,
         exit_,
@@ -53,7 +66,41 @@ def read(props: Any) -> Settings:
         rr_depth=_count(props, "rr_depth", 5, 1, "the depth, from 1, at which Russian roulette begins"),
         max_steps=_count(props, "max_steps", 100_000, 1, "the longest walk's number of events, from 1"),
         hide_emitters=bool(props.get("hide_emitters", False)),
+        profiles=() if profile is None else _profiles(str(profile)),
+        thickness=math.inf if thickness is None else float(thickness),
     )
+
+
+def check_details(model: str, profile: Any, thickness: Any) -> None:
+    """Raise `ParameterError` if a model lacks what it needs, or is given what belongs to another one."""
+    for name, value in (("profile", profile), ("thickness", thickness)):
+        if value is not None and model != DETAILS[name]:
+            raise ParameterError(
+                f"{name} is {value!r}, but the model is {model}: {name} belongs to the model {DETAILS[name]}; "
+                "leave out one, or change the other."
+            )
+    if model == "measured" and profile is None:
+        raise ParameterError(
+            "the model measured needs a profile: name a CSV file of r (mm) and R (1/mm^2) as profile."
+        )
+    if thickness is not None:
+        number = isinstance(thickness, int | float) and not isinstance(thickness, bool)
+        if not (number and 0.0 < thickness < math.inf):
+            raise ParameterError(
+                f"thickness is {thickness!r}; it must be a length in mm, above 0. Without it a slab has no end."
+            )
+
+
+def _profiles(path: str) -> tuple[measured.MeasuredProfile, ...]:
+    """Read a CSV file, which Mitsuba looks for beside the scene file too."""
+    resolver: Any = mi.file_resolver
+    profiles = measured.read(str(resolver().resolve(path)))
+    if len(profiles) > 1 and not mi.is_rgb:
+        raise ParameterError(
+            f"profile is {path!r}, with columns for red, green and blue, but {mi.variant()} has no such channels: "
+            "give one column of R, or use an rgb variant."
+        )
+    return profiles
 
 
 def _terms(text: str) -> tuple[str, ...]:

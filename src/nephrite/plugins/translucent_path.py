@@ -25,6 +25,12 @@ class TranslucentPath(mi.SamplingIntegrator):
        - What happens under a translucent surface: ``walk`` (volumetric random walk), ``dipole`` (diffusion from the
          second scattering event on), ``brdf`` (light leaves where it entered), or ``auto`` (chosen for each object by
          its optical thickness and albedo; the choice is logged). (Default: walk)
+     * - profile
+       - |string|
+       - For ``measured``: a CSV file of r in mm and R in 1/mm^2, one column or three for red, green and blue.
+     * - thickness
+       - |float|
+       - For ``multipole``: thickness of the plate or sheet in mm; see the BSDF's ``unit``. (Default: without end)
      * - terms
        - |string|
        - ``all``, or a sum of ``reduced``, ``single`` and ``multiple``: the paths that scatter in media never,
@@ -99,7 +105,8 @@ class TranslucentPath(mi.SamplingIntegrator):
 
     def _survey(self, scene: Any) -> Media:
         media = Media.of(scene)
-        self.choices = auto.choose(self.settings.model, media, scene)
+        s = self.settings
+        self.choices = auto.choose(s.model, media, scene, profiles=s.profiles, thickness=s.thickness)
         if media.any_jump:
             # the passes of one picture ask for the same again and again
             key = fingerprint(media)

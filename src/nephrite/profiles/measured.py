@@ -16,9 +16,9 @@ import numpy as np
 
 from nephrite.errors import ParameterError
 from nephrite.physics._arrays import namespace, plain
-from nephrite.profiles.base import RadialProfile
+from nephrite.profiles.base import Model, RadialProfile
 
-__all__ = ["MeasuredProfile", "read"]
+__all__ = ["MeasuredProfile", "model", "read"]
 
 _MOST = 1.01  # of the light may leave: measurements have errors
 _BISECTIONS = 40
@@ -99,6 +99,15 @@ class MeasuredProfile(RadialProfile):
             index = xp.clip(index, 1, last + 1) - 1
             found = [xp.gather(real, real(column), index) for column in wanted]
         return found if len(found) > 1 else found[0]
+
+
+def model(profile: MeasuredProfile) -> Model:
+    """Return the profile as a model, whatever the coefficients."""
+
+    def make(sigma_a: Any, sigma_s_prime: Any, eta: float, g: float = 0.0) -> MeasuredProfile:
+        return profile
+
+    return Model("measured", "Measured", "a CSV file", "single+multiple", make)
 
 
 def _mass(first: Any, value: Any, slope: Any, r: Any) -> Any:

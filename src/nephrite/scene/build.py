@@ -6,7 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from nephrite.errors import ParameterError, unknown_name
-from nephrite.plugins.settings import MODELS
+from nephrite.plugins.settings import MODELS, check_details
+from nephrite.profiles import measured
 from nephrite.scene import camera, lights
 from nephrite.scene.files import mesh_plugin
 from nephrite.scene.translucent import translucent_shapes
@@ -66,19 +67,28 @@ def integrator_dict(
     exit: str = "lobe",
     max_depth: int | None = None,
     rr_depth: int | None = None,
+    profile: str | Path | None = None,
+    thickness: float | None = None,
 ) -> dict[str, Any]:
-    """Return a `translucent_path` integrator; raises ParameterError for an unknown model, term or exit."""
+    """Return a `translucent_path` integrator; `profile`: a CSV file, for `measured`; `thickness`: mm, for `multipole`.
+
+    Raises ParameterError for an unknown model, term or exit, and for a profile or thickness that can't be.
+    """
     if model not in MODELS:
         raise unknown_name("model", model, MODELS)
     if exit not in EXITS:
         raise unknown_name("exit", exit, EXITS)
-    limits = {"max_depth": max_depth, "rr_depth": rr_depth}
+    check_details(model, profile, thickness)
+    if profile is not None:
+        measured.read(profile)
+        profile = str(profile)
+    given = {"max_depth": max_depth, "rr_depth": rr_depth, "profile": profile, "thickness": thickness}
     return {
         "type": "translucent_path",
         "model": model,
         "terms": check_terms(terms),
         "exit": exit,
-        **{name: value for name, value in limits.items() if value is not None},
+        **{name: value for name, value in given.items() if value is not None},
     }
 
 
