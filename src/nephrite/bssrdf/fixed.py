@@ -33,8 +33,13 @@ def measured(profiles: tuple[MeasuredProfile, ...]) -> Table:
         return np.stack([profile.eval(x[i]) for i, profile in enumerate(profiles)]) * lengths**2
 
     rows = table(kernel, len(profiles))
-    wanted = np.array([profile.albedo() for profile in profiles])
-    return replace(rows, log_kernel=rows.log_kernel + np.log2(wanted / totals(rows))[:, None])
+    return _scaled(rows, np.array([profile.albedo() for profile in profiles]))
+
+
+def _scaled(rows: Table, wanted: np.ndarray) -> Table:
+    """Return the table with the totals wanted: interpolation has changed them by some thousandths."""
+    ratio = np.where(wanted > 0.0, wanted, 1.0) / np.where(wanted > 0.0, totals(rows), 1.0)
+    return replace(rows, log_kernel=rows.log_kernel + np.log2(ratio)[:, None])
 
 
 def totals(rows: Table) -> np.ndarray:
@@ -61,14 +66,15 @@ def slab(albedo_prime: float, thickness: float, eta: float, g: float) -> Table:
     albedo = albedo_prime / (1.0 - g) / extinction
     shares = slab_shares(g, eta, thickness * extinction)
     scattered = -math.expm1(-thickness)
-    again = (1.0 - single_scattering_share(g, eta)) / (1.0 - sum(shares))
-    scales = [
-        max(face.albedo() / scattered - albedo * share, 0.0) * again / max(face.albedo(), 1e-30)
-        for face, share in zip((near, far), shares, strict=True)
-    ]
+    # in a thin sheet without an interface all leaves after one event: what little is left must not count for much
+    again = (1.0 - single_scattering_share(g, eta)) / max(1.0 - sum(shares), 0.01)
+    given = np.array([face.albedo() for face in (near, far)])
+    wanted = np.maximum(given / scattered - albedo * np.array(shares), 0.0) * again
+    scales = wanted / np.maximum(given, 1e-30)
 
     def faces(r: np.ndarray) -> np.ndarray:
-        return np.concatenate([near.eval(r) * scales[0], far.eval(r) * scales[1]])
+        return np.concatenate([near.eval(r), far.eval(r)]) * scales[:, None]
 
     both = table(lambda r: faces(r).sum(axis=0, keepdims=True), 1)
-    return Table(table(faces, 2).log_kernel, np.repeat(both.poles, 2, axis=0))
+    rows = _scaled(table(faces, 2), wanted)
+    return replace(rows, poles=np.repeat(both.poles, 2, axis=0))

@@ -1,0 +1,150 @@
+"""Measured profiles and slabs in the integrator: lookups, lengths, and pictures against models and the walk."""
+
+import mitsuba as mi
+import numpy as np
+import pytest
+
+from nephrite.bssrdf import fixed
+from nephrite.errors import ParameterError
+from nephrite.physics.single import single_scattering_share
+from nephrite.plugins.fixed import Measured, Slabs
+from nephrite.plugins.media import Media
+from nephrite.profiles import find
+from nephrite.profiles.measured import MeasuredProfile
+from nephrite.scene.translucent import object_mask
+from support import measure, scenes
+
+SIGMA_A, SIGMA_S = (0.0014, 0.0025, 0.0142), (0.70, 1.22, 1.90)
+RADII = [0.1, 0.4, 1.0, 1.7, 4.0]
+THREE = tuple(MeasuredProfile(RADII, np.array([0.1, 0.08, 0.02, 0.01, 0.0]) * k) for k in (1.0, 0.6, 0.3))
+
+
+def _entries(**bsdf):
+    scene = scenes.camera(4)
+    scene["object"] = scenes.placed("slab") | scenes.translucent(SIGMA_A, SIGMA_S)
+    scene["object"]["bsdf"] |= bsdf
+    return Media.of(mi.load_dict(scene)).entries
+
+
+def _lookup(kernels, r, far=False, unit=1.0):
+    coefficients = (mi.Spectrum(x) * unit for x in (SIGMA_A, SIGMA_S))
+    place = kernels.place(mi.UInt32(1), *coefficients, mi.Float(0))
+    return np.exp2(np.array(kernels.log_kernel(place, mi.Float(r / unit), mi.Bool(far))))
+
+
+@pytest.mark.parametrize("columns", [1, 3])
+@pytest.mark.parametrize("unit", [1.0, 10.0])
+def test_a_measured_profile_is_in_millimetres_and_gives_up_single_scattering(columns, unit):
+    """Some 2 % are interpolation, where the profile has corners."""
+    r = np.geomspace(0.05, 3.3, 50)
+    found = _lookup(Measured(_entries(unit=unit), THREE[:columns]), r, unit=unit)
+    for i in range(3):
+        profile = THREE[i % columns]
+        albedo = SIGMA_S[i] / (SIGMA_A[i] + SIGMA_S[i])
+        multiple = 1.0 - albedo * single_scattering_share(0.0, 1.3) / profile.albedo()
+        assert found[i] == pytest.approx(profile.eval(r) * multiple * unit**2, rel=0.03)
+
+
+def test_a_measured_profile_below_single_scattering_sends_nothing():
+    dark = tuple(MeasuredProfile(RADII, np.array([0.1, 0.08, 0.02, 0.01, 0.0]) * k) for k in (1.0, 0.05, 1.0))
+    red, green, _ = _lookup(Measured(_entries(), dark), np.array([0.5]))[:, 0]
+    assert red > 0.01
+    assert green < 1e-20
+
+
+@pytest.mark.parametrize("unit", [1.0, 10.0])
+def test_slabs_tell_their_faces_apart(unit):
+    """On the far one the distance is that along the face."""
+    kernels = Slabs(_entries(unit=unit), 2.0)
+    along = np.geomspace(0.01, 20.0, 200)
+    chord = np.sqrt(along**2 + 4.0)
+    found = (_lookup(kernels, along, False, unit), _lookup(kernels, chord, True, unit))
+    for i in range(3):
+        extinction = SIGMA_A[i] + SIGMA_S[i]
+        table = fixed.slab(SIGMA_S[i] / extinction, 2.0 * extinction, 1.3, 0.0)
+        for total, face in zip(fixed.totals(table), found, strict=True):
+            ring = face[i] / unit**2 * 2.0 * np.pi * along**2
+            assert np.trapezoid(ring, np.log(along)) == pytest.approx(total, rel=0.02)
+
+
+def test_coefficients_that_vary_are_refused():
+    texture = {"type": "checkerboard", "color0": scenes.rgb(0.1), "color1": scenes.rgb(0.2)}
+    entries = _entries(sigma_a=texture)
+    with pytest.raises(ParameterError, match=r"vary over its surface.*leave out thickness"):
+        Slabs(entries, 2.0)
+
+
+def _plate(turned=False, unit=1.0, half=1.0):
+    """A plate lit from behind and seen in its middle."""
+    t = mi.ScalarTransform4f
+    scene = scenes.camera(8, fov=14.0)
+    scene["object"] = {"type": "cube", "flip_normals": turned, "to_world": t().scale([12, 12, half])}
+    scene["object"] |= scenes.translucent(SIGMA_A, SIGMA_S)
+    scene["light"] = scenes.light((0.3, 0.2, -1.0), 24.0, 10.0)
+    if unit != 1.0:
+        scene["object"]["bsdf"]["unit"] = unit
+        for name in ("object", "light", "sensor"):
+            scene[name]["to_world"] = t().scale(1.0 / unit) @ scene[name]["to_world"]
+        look = t().look_at(origin=[0, 0, 55 / unit], target=[0, 0, 0], up=[0, 1, 0])
+        scene["sensor"]["to_world"] = look
+    return scene
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("half", [0.4, 1.0, 2.0])
+def test_a_multipole_transmits_what_the_walk_does(half):
+    """Within 6 %, three standard errors of 1 % included; the dipole is 10 to 45 % off."""
+    scene = mi.load_dict(_plate(half=half))
+    mask = object_mask(scene)
+
+    def light(**parameters):
+        return (
+            measure.passes(scene, scenes.ours(terms="single+multiple", **parameters), 512, 2, 1)
+            .total(mask)
+            .mean(0)
+        )
+
+    walk = light(model="walk")
+    slab = light(model="multipole", thickness=2.0 * half) / walk - 1.0
+    dipole = light(model="dipole") / walk - 1.0
+    print(half, np.round(100 * slab, 1), np.round(100 * dipole, 1))
+    assert np.all(np.abs(slab) < 0.06)
+    assert np.linalg.norm(slab) < 0.4 * np.linalg.norm(dipole)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("change", [{"turned": True}, {"unit": 10.0}], ids=str)
+@pytest.mark.parametrize("model", ["multipole", "measured"])
+def test_windings_and_units_change_nothing(model, change, tmp_path):
+    """Statistical: a right program fails with probability `measure.FALSE_ALARM`."""
+    details = {"thickness": 2.0} if model == "multipole" else {"profile": _file(tmp_path, THREE)}
+    method = scenes.ours(model=model, **details)
+    one, other = (
+        measure.passes(_plate(), method, 64, 8, 100),
+        measure.passes(_plate(**change), method, 64, 8, 900),
+    )
+    measure.assert_same(one, other, label=f"{model} {change}")
+
+
+@pytest.mark.slow
+def test_a_dipole_from_a_file_is_the_dipole(tmp_path):
+    """Statistical: a right program fails with probability `measure.FALSE_ALARM`."""
+    r = np.geomspace(1e-3, 300.0, 500)
+    dipoles = [
+        find("dipole").make(a, s, 1.3) for a, s in zip((0.02, 0.05, 0.1), (0.7, 0.9, 1.2), strict=True)
+    ]
+    file = tmp_path / "dipole.csv"
+    np.savetxt(file, np.stack([r, *(dipole.eval(r) for dipole in dipoles)], axis=1), delimiter=",")
+    scene = scenes.camera(12)
+    scene["object"] = scenes.placed("cube") | scenes.translucent((0.02, 0.05, 0.1), (0.7, 0.9, 1.2))
+    scene["light"] = scenes.light((0.7, 0.5, 0.4), 24.0, 8.0)
+    one = measure.passes(scene, scenes.ours(model="measured", profile=str(file)), 64, 10, 100)
+    other = measure.passes(scene, scenes.ours(model="dipole"), 64, 10, 900)
+    measure.assert_same(one, other, label="dipole from a file")
+
+
+def _file(folder, profiles):
+    file = folder / "profile.csv"
+    columns = [RADII, *(profile.eval(np.array(RADII)) for profile in profiles)]
+    np.savetxt(file, np.array(columns).T, delimiter=",")
+    return str(file)
