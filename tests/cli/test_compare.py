@@ -60,9 +60,19 @@ def test_the_reference_may_be_the_first(tmp_path):
     assert write.read_metadata(path)["reference"] == "walk"
 
 
+def test_a_thickness_goes_to_the_model_that_it_belongs_to(tmp_path):
+    path = tmp_path / "figure.png"
+    words = ["--models", "dipole,multipole,walk", "--thickness", "10mm"]
+    result = nephrite("compare", "slab", *words, *TINY, "-o", path)
+    assert result.exit_code == 0, result.output
+    assert write.read_metadata(path)["thickness"] == "10mm"
+
+
 @pytest.mark.parametrize(
     ("words", "code", "says"),
     [
+        (["--models", "walk,brdf", "--thickness", "10mm"], 1, "belongs to the model multipole"),
+        (["--models", "walk,measured"], 1, "needs a profile"),
         ([], 1, "nothing to compare"),
         (["--models", "walk"], 1, "nothing to compare"),
         (["--models", "walk,walk"], 1, "nothing to compare"),

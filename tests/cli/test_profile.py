@@ -49,6 +49,33 @@ def test_svg_and_the_default_name(tmp_path, monkeypatch):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.svg", "skim-milk-profile.png"]
 
 
+def test_a_measured_profile_is_a_line(tmp_path):
+    """One column for all channels, or one for each, even where the medium is the same in all."""
+    file, own, table = tmp_path / "m.csv", tmp_path / "own.toml", tmp_path / "t.csv"
+    own.write_text('[grey]\nunit = "1/mm"\nsigma_a = 0.1\nsigma_s = 1\n')
+    words = [
+        "profile",
+        "grey",
+        *FEW,
+        "--material-file",
+        own,
+        "-o",
+        tmp_path / "a.png",
+        "--csv",
+        table,
+        "--profile",
+        file,
+    ]
+    for columns, label in ((".1 .1 .1", "red: "), (".1", "all channels: ")):
+        file.write_text("\n".join(f"{r} {columns}" for r in (0, 1)))
+        result = nephrite(*words)
+        assert result.exit_code == 0, result.output
+        assert label in result.output
+        assert "measured " in result.output
+        first = next(csv.DictReader(table.read_text().splitlines()))
+        assert float(first["measured"]) == pytest.approx(0.1, rel=1e-3)
+
+
 def test_equal_channels_are_shown_once_and_empty_ones_named(tmp_path):
     file = tmp_path / "own.toml"
     file.write_text(
@@ -76,6 +103,7 @@ def test_equal_channels_are_shown_once_and_empty_ones_named(tmp_path):
         (["jade", "-o", "no/such/folder/a.png"], "folder"),
         (["jade", "--csv", "a.txt"], ".csv"),
         (["jade", "--photons", "10"], "--photons"),
+        (["jade", "--profile", "none.csv"], "cannot read the profile none.csv"),
     ],
 )
 def test_mistakes_are_told_before_anything_is_simulated(tmp_path, monkeypatch, words, says):

@@ -124,9 +124,31 @@ def test_a_scene_without_anything_translucent_is_refused(tmp_path, never_rendere
     assert "no translucent object" in said(result)
 
 
+def test_a_measured_profile_and_a_thickness_are_used_and_told(tmp_path):
+    file, path = tmp_path / "skin.csv", tmp_path / "a.exr"
+    file.write_text("0 .1\n1 .03\n4 0\n")
+    result = nephrite("render", "slab", "--model", "measured", "--profile", file, *TINY, "-o", path)
+    assert result.exit_code == 0, result.output
+    assert (write.read_metadata(path)["model"], write.read_metadata(path)["profile"]) == (
+        "measured",
+        str(file),
+    )
+    result = nephrite("render", "slab", "--model", "multipole", "--thickness", "5mm", *TINY, "-o", path)
+    assert result.exit_code == 0, result.output
+    assert (write.read_metadata(path)["model"], write.read_metadata(path)["thickness"]) == (
+        "multipole",
+        "5mm",
+    )
+
+
 @pytest.mark.parametrize(
     ("words", "code", "says"),
     [
+        (["sphere", "--model", "measured"], 1, "needs a profile"),
+        (["sphere", "--model", "measured", "--profile", "none.csv"], 1, "cannot read the profile none.csv"),
+        (["sphere", "--profile", "a.csv"], 1, "belongs to the model measured"),
+        (["sphere", "--thickness", "5mm"], 1, "belongs to the model multipole"),
+        (["sphere", "--model", "multipole", "--thickness", "5"], 2, "'5' has no unit"),
         (["sphere", "--size", "100"], 2, "'100' has no unit"),
         (["sphere", "--time", "30"], 2, "'30' has no unit"),
         (["sphere", "--noise", "1"], 2, "no percent sign"),

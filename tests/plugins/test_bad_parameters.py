@@ -65,10 +65,47 @@ def test_bsdf(parameters, message):
         ({"max_depth": 2.5}, "max_depth is 2.5"),
         ({"rr_depth": 0}, "rr_depth is 0"),
         ({"max_steps": 0}, "max_steps is 0"),
+        ({"model": "measured"}, "the model measured needs a profile: name a CSV file"),
+        ({"model": "measured", "profile": "none.csv"}, "cannot read the profile none.csv"),
+        (
+            {"model": "dipole", "profile": "a.csv"},
+            "profile is 'a.csv', but the model is dipole.*model measured",
+        ),
+        ({"thickness": 2.0}, "thickness is 2.0, but the model is walk.*the model multipole; leave out"),
+        ({"model": "multipole", "thickness": 0.0}, "thickness is 0.0; it must be a length in mm, above 0"),
+        ({"model": "multipole", "thickness": INF}, "thickness is inf.*Without it a slab has no end"),
+        ({"model": "multipole", "thickness": "5mm"}, "thickness is '5mm'; it must be a length in mm"),
     ],
     ids=str,
 )
 def test_integrator(parameters, message):
+    with pytest.raises(RuntimeError, match=f"ParameterError: .*{message}"):
+        mi.load_dict(scenes.ours(**parameters))
+
+
+@pytest.mark.usefixtures("switching")
+@pytest.mark.parametrize(
+    ("variant", "parameters", "message"),
+    [
+        (
+            "llvm_ad_mono",
+            {"model": "measured"},
+            "columns for red, green and blue, but llvm_ad_mono.*give one",
+        ),
+        ("llvm_ad_spectral", {"model": "measured"}, "columns for red, green and blue.*use an rgb variant"),
+        (
+            "llvm_ad_spectral",
+            {"model": "multipole", "thickness": 2.0},
+            "thickness is 2.0 in llvm_ad_spectral",
+        ),
+    ],
+    ids=str,
+)
+def test_channels_that_a_variant_lacks(variant, parameters, message, tmp_path):
+    mi.set_variant(variant)
+    if parameters["model"] == "measured":
+        (tmp_path / "three.csv").write_text("0 .1 .2 .1\n1 .05 .1 .1\n")
+        parameters = {**parameters, "profile": str(tmp_path / "three.csv")}
     with pytest.raises(RuntimeError, match=f"ParameterError: .*{message}"):
         mi.load_dict(scenes.ours(**parameters))
 

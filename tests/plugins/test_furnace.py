@@ -91,7 +91,7 @@ def test_no_thickness_makes_energy(thickness, shape):
     print(f"{thickness} {shape}: {mean:.5f} +- {error:.5f}")
     assert mean < 1 + 4 * error + 2e-3
     if (thickness, shape) == (2.0, "slab"):
-        assert mean > 0.97
+        assert mean > 0.95  # its rim loses some
 
 
 @pytest.mark.parametrize("model", ["dipole", "directional", "brdf"])

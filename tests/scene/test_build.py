@@ -73,9 +73,23 @@ def test_the_integrator_carries_what_was_asked_for() -> None:
     }
 
 
+def test_models_that_need_more_are_given_it(tmp_path: Path) -> None:
+    file = tmp_path / "skin.csv"
+    file.write_text("0 .1\n1 .05\n")
+    asked = build.integrator_dict("measured", profile=file)
+    assert (asked["model"], asked["profile"]) == ("measured", str(file))
+    assert build.integrator_dict("multipole", thickness=5.0)["thickness"] == 5.0
+    assert "thickness" not in build.integrator_dict("multipole")
+
+
 @pytest.mark.parametrize(
     ("values", "says"),
     [
+        ({"model": "measured"}, "needs a profile"),
+        ({"model": "measured", "profile": "none.csv"}, "cannot read the profile none.csv"),
+        ({"model": "walk", "profile": "a.csv"}, "belongs to the model measured"),
+        ({"model": "dipole", "thickness": 1.0}, "belongs to the model multipole"),
+        ({"model": "multipole", "thickness": -1.0}, "above 0"),
         ({"model": "wlak"}, "Did you mean 'walk'"),
         ({"exit": "exakt"}, "Did you mean 'exact'"),
         ({"terms": "singel"}, "Did you mean 'single'"),
