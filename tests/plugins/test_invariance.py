@@ -9,6 +9,7 @@ import mitsuba as mi
 import numpy as np
 import pytest
 
+from nephrite.geometry.winding import turned_over
 from nephrite.scene import named
 from nephrite.scene.place import placed
 from nephrite.scene.ply import write_ply
@@ -45,35 +46,31 @@ def test_flipped_normals_of_a_rough_standard_object():
     _same(one, other, {"model": "walk"})
 
 
-MIXED_DIPOLE = pytest.param(
-    "mixed",
-    {"model": "dipole"},
-    marks=pytest.mark.xfail(
-        strict=True, reason="the dipole takes one side for outside all over an object: 6 % too dark"
-    ),
-)
-
-
 @pytest.mark.parametrize(
-    ("order", "parameters"),
+    ("order", "model"),
     [
-        ("reversed", {"model": "walk"}),
-        ("mixed", {"model": "walk"}),
-        ("reversed", {"model": "dipole"}),
-        MIXED_DIPOLE,
+        ("reversed", "walk"),
+        ("mixed", "walk"),
+        ("reversed", "dipole"),
+        ("mixed", "dipole"),
+        ("mixed, vertices not shared", "dipole"),
+        ("mixed", "tabulated"),
+        ("mixed", "directional"),
     ],
 )
-def test_reversed_and_mixed_faces(order, parameters, tmp_path):
+def test_reversed_and_mixed_faces(order, model, tmp_path):
     """Mixed windings are mended where the package reads a mesh; here Mitsuba reads them as they are."""
     mesh = placed(named.find("cube"), 14.0)
-    reversed_ = mesh.faces[:, ::-1]
-    mixed = np.where(np.arange(len(mesh.faces))[:, None] % 2 == 0, reversed_, mesh.faces)
+    vertices, faces = mesh.vertices, mesh.faces
+    if "not shared" in order:
+        vertices, faces = vertices[faces].reshape(-1, 3), np.arange(faces.size).reshape(-1, 3)
+    every = 1 if order == "reversed" else 2
+    changed = turned_over(faces, np.arange(len(faces)) % every == 0)
     shapes = []
-    for faces in (mesh.faces, {"reversed": reversed_, "mixed": mixed}[order]):
-        piece = dataclasses.replace(mesh, faces=np.ascontiguousarray(faces))
+    for piece in (mesh, dataclasses.replace(mesh, vertices=vertices, faces=changed)):
         path = write_ply(piece, tmp_path / f"{len(shapes)}.ply")
         shapes.append({"type": "ply", "filename": str(path), "face_normals": True})
-    _same(_scene(shapes[0]), _scene(shapes[1]), parameters, spp=1024)
+    _same(_scene(shapes[0]), _scene(shapes[1]), {"model": model}, spp=1024)
 
 
 @pytest.mark.parametrize("parameters", [*MODELS[::2], {"model": "brdf"}], ids=lambda p: "-".join(p.values()))

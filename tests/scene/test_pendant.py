@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
+from nephrite.geometry.topology import edges_of
 from nephrite.scene import pendant
 from nephrite.scene.isosurface import polygonise
 from nephrite.scene.meshes import from_arrays
-from nephrite.scene.topology import edges_of
 
 
 def test_a_ball_is_found_where_it_is():

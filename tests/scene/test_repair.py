@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 
 from nephrite.errors import MeshError
 from nephrite.scene import meshes
-from nephrite.scene.repair import winding_number
 
 BALL = trimesh.creation.icosphere(subdivisions=2)
 BOX = trimesh.creation.box()
@@ -270,9 +269,3 @@ def test_far_from_the_origin_is_told():
     assert mesh.volume == pytest.approx(BALL.volume, rel=1e-5)
     assert "far-away" in mesh.report
     assert meshes.placed(mesh, 10.0).bounds[0] == pytest.approx([-5, 0, -5], abs=1e-4)
-
-
-def test_winding_number():
-    vertices, faces = np.array(BALL.vertices), np.array(BALL.faces)
-    assert winding_number(vertices, faces, np.array([0.2, 0.1, 0.0])) == pytest.approx(1)
-    assert winding_number(vertices, faces, np.array([1.2, 0.1, 0.0])) == pytest.approx(0, abs=1e-12)

@@ -27,6 +27,7 @@ from nephrite.plugins.fixed import Measured, Slabs
 from nephrite.plugins.kernels import HalfSpaces
 from nephrite.plugins.shapes import surface_points
 from nephrite.profiles.measured import MeasuredProfile
+from nephrite.plugins.winding import Winding
 
 WALK, JUMP, LOCAL, LOW = range(4)
 """What is computed under a surface."""
@@ -164,6 +165,8 @@ class Media:
         elif self.any_jump:
             self.kernels = HalfSpaces(self.entries, "dipole" if by_direction else diffusion)
         self.balance = Field(len(self.entries))
+        jumping = [e for e, model in zip(self.entries, models, strict=True) if model == JUMP]
+        self.winding = Winding({_identity(shape): shape for entry in jumping for shape in entry.shapes})
 
     def jumps(self, number: Any) -> Any:
         """Whether a diffusion model takes over from the walk at its second event."""

@@ -161,6 +161,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
         reaches = active & ~stays & ~searching
         if active & ~stays:
             si = hit.compute_surface_interaction(ray, mi.RayFlags.All, active & ~stays)
+            si.n = media.winding.outward(si)
             identity = dr.reinterpret_array(mi.UInt32, si.shape)
             landed, landing_n, landing_weight = mi.Bool(False), mi.Vector3f(0, 0, 1), mi.Spectrum(0)
             at = si

@@ -8,6 +8,8 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
+from nephrite.plugins.winding import triangles
+
 
 def surface_points(shape: Any, u2: Any, u1: Any) -> Any:
     """Return interactions at points that are uniform over a shape's area, seen at sampled wavelengths."""
@@ -29,10 +31,8 @@ def mean_chord(shape: Any) -> float:
     extents = np.array(shape.bbox().extents(), dtype=np.float64).ravel()
     volume = float(np.prod(extents)) * np.pi / 6.0
     if shape.is_mesh():
-        values = mi.traverse(shape)
-        name = "vertex_positions" if "vertex_positions" in values else "positions"
-        vertices = np.array(values[name], dtype=np.float64).reshape(-1, 3)
-        corners = vertices[np.array(values["faces"]).reshape(-1, 3)] - vertices.mean(axis=0)
+        vertices, faces = triangles(shape)
+        corners = vertices[faces] - vertices.mean(axis=0)
         volume = (
             abs(float(np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum()))
             / 6.0

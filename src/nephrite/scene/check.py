@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from nephrite.scene.topology import Floats, Ints, boundaries, components, edges_of
+from nephrite.geometry.topology import Floats, Ints, boundaries, components, edges_of
+from nephrite.geometry.winding import face_crosses, face_volumes
 
 
 @dataclass(frozen=True)
@@ -111,12 +112,6 @@ def plural(count: int, noun: str) -> str:
     return f"{count} {noun}"
 
 
-def face_crosses(vertices: Floats, faces: Ints) -> Floats:
-    """`(M, 3)` normals whose length is twice the area of each face."""
-    a, b, c = (vertices[faces[:, k]] for k in range(3))
-    return np.cross(b - a, c - a)
-
-
 def flat_faces(vertices: Floats, faces: Ints) -> int:
     """How many faces have no area at all."""
     return int(np.sum(~face_crosses(vertices, faces).any(axis=1)))
@@ -125,11 +120,3 @@ def flat_faces(vertices: Floats, faces: Ints) -> int:
 def signed_volume(vertices: Floats, faces: Ints) -> float:
     """Volume enclosed by a closed mesh; negative if it is inside out."""
     return float(face_volumes(vertices, faces).sum())
-
-
-def face_volumes(vertices: Floats, faces: Ints) -> Floats:
-    """`(M,)` signed volumes of the tetrahedra between each face and the middle of the mesh."""
-    if not len(faces):
-        return np.zeros(0)
-    middle = (vertices.min(axis=0) + vertices.max(axis=0)) / 2
-    return np.einsum("ij,ij->i", vertices[faces[:, 0]] - middle, face_crosses(vertices, faces)) / 6

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from nephrite.scene.check import Finding, face_crosses, plural, signed_volume
-from nephrite.scene.topology import (
+from nephrite.geometry.topology import (
     Floats,
     Ints,
     boundaries,
@@ -15,8 +14,9 @@ from nephrite.scene.topology import (
     merge_equal,
     pair_half_edges,
     weld,
-    wound_alike,
 )
+from nephrite.geometry.winding import face_crosses, turned_over, wound_apart
+from nephrite.scene.check import Finding, plural, signed_volume
 
 CRACKS = (1e-7, 1e-6, 1e-5, 1e-4)  # widths to try, in diagonals of the mesh
 MOST_LOOPS = 2000  # more boundaries than this are no holes: the mesh is a soup
@@ -77,7 +77,8 @@ def _snapped(vertices: Floats, faces: Ints) -> tuple[Floats, Ints]:
         _, first = np.unique(place, return_index=True)
         merged, joined = merge_equal(vertices[first][place], faces)
         joined = joined[~(joined == np.roll(joined, -1, axis=1)).any(axis=1)]
-        joined, _, two_sided = wound_alike(joined)
+        apart, two_sided = wound_apart(joined)
+        joined = turned_over(joined, apart)
         if not len(joined) or not two_sided:
             continue
         source, welded = weld(joined, pair_half_edges(merged, joined))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from nephrite.scene.topology import Floats, Ints
+from nephrite.geometry.topology import Floats, Ints
 
 Values = NDArray[np.floating[Any]]
 Field = Callable[[Values, Values, Values], Values]

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from nephrite.geometry.topology import Floats, Ints
 from nephrite.scene.check import UNSEEN, Finding, MeshReport
 from nephrite.scene.place import placed
 from nephrite.scene.ply import write_ply
 from nephrite.scene.reading import FORMATS, read
 from nephrite.scene.repair import repair
-from nephrite.scene.topology import Floats, Ints
 from nephrite.scene.triangles import TriangleMesh
 
 __all__ = [

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from nephrite.scene.check import face_crosses
-from nephrite.scene.topology import Floats, Ints, pair_half_edges, weld
+from nephrite.geometry.topology import Floats, Ints, pair_half_edges, weld
+from nephrite.geometry.winding import face_crosses
 
 CREASE_DEGREES = 50.0
 

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from nephrite.geometry.topology import components, pair_half_edges, weld
 from nephrite.scene import cache
 from nephrite.scene.isosurface import polygonise
 from nephrite.scene.meshes import from_arrays
-from nephrite.scene.topology import components, pair_half_edges, weld
 from nephrite.scene.triangles import TriangleMesh
 
 Values = NDArray[np.floating[Any]]

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from nephrite.errors import MeshError
+from nephrite.geometry.topology import Floats, Ints
 from nephrite.scene.normals import with_normals
-from nephrite.scene.topology import Floats, Ints
 from nephrite.scene.triangles import TriangleMesh
 
 

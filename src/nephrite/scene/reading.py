@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from nephrite.errors import MeshError
-from nephrite.scene.topology import Floats, Ints
+from nephrite.geometry.topology import Floats, Ints
 
 FORMATS = (".ply", ".obj", ".stl", ".off", ".glb", ".gltf")
 LARGEST = 1e90  # volumes are products of three lengths, and must stay finite in double precision

@@ -10,12 +10,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from nephrite.errors import MeshError
-from nephrite.scene.check import Finding, examine, face_crosses, face_volumes, flat_faces, plural
-from nephrite.scene.holes import close_holes
-from nephrite.scene.topology import (
+from nephrite.geometry.topology import (
     Floats,
     Ints,
     components,
@@ -24,13 +21,14 @@ from nephrite.scene.topology import (
     net_faces,
     pair_half_edges,
     weld,
-    wound_alike,
 )
+from nephrite.geometry.winding import face_crosses, face_volumes, inside_out, turned_over, wound_apart
+from nephrite.scene.check import Finding, examine, flat_faces, plural
+from nephrite.scene.holes import close_holes
 from nephrite.scene.triangles import TriangleMesh
 
 SPECK = 1e-9  # of the volume: closed parts smaller than this are dust
 FAR = 1e5  # distances from the origin, in lengths of the mesh, at which single precision shows
-MOST_ANGLES = 50_000_000  # solid angles to be computed at most, some ten seconds
 
 
 def repair(mesh: TriangleMesh) -> TriangleMesh:
@@ -49,11 +47,12 @@ def repair(mesh: TriangleMesh) -> TriangleMesh:
     vertices, faces = _without_bad_faces(vertices, faces, findings, mesh.name)
     _warn_if_far(vertices, findings)
     faces = _without_folds(faces, findings)
-    faces, turned, two_sided = wound_alike(faces)
-    if turned:
+    apart, two_sided = wound_apart(faces)
+    if turned := int(apart.sum()):
         findings.append(
             Finding("winding", turned, f"{plural(turned, 'face')} wound the other way", "turned over")
         )
+    faces = turned_over(faces, apart)
     if not two_sided:
         findings.append(Finding("one-sided", 1, "a one-sided surface (Möbius strip)", solved=False))
     faces = _outwards(
@@ -131,59 +130,12 @@ def _manifold(vertices: Floats, faces: Ints, findings: list[Finding]) -> tuple[F
 
 
 def _outwards(vertices: Floats, faces: Ints, findings: list[Finding]) -> Ints:
-    """Turn closed parts outwards, each with all that lies inside it, so that cavities stay cavities."""
-    number, part = components(faces)
-    volume = np.bincount(part, weights=face_volumes(vertices, faces), minlength=number)
-    is_open = np.zeros(number, dtype=bool)
-    is_open[part[edges_of(faces).open_half_edges // 3]] = True
-    if not (volume[~is_open] < 0).any():
-        return faces
-    inverted = _outermost(vertices, faces, part, np.where(is_open, 0.0, np.abs(volume)), volume < 0)
-    turned = inverted[part] & ~is_open[part]
+    turned, parts, number = inside_out(vertices, faces)
     if not turned.any():
         return faces
-    parts = int(np.sum(inverted & ~is_open))
     text = f"{parts} of {number} parts inside out" if number > 1 else "the mesh is inside out"
     findings.append(Finding("inside-out", int(turned.sum()), text, "turned over"))
-    result = faces.copy()
-    result[turned] = result[turned][:, ::-1]
-    return result
-
-
-def _outermost(
-    vertices: Floats, faces: Ints, part: Ints, size: Floats, answer: NDArray[np.bool_]
-) -> NDArray[np.bool_]:
-    """For each part, the `answer` of the largest part (by `size`; 0: not closed) around it, or its own."""
-    corners = vertices[faces].reshape(-1, 3)
-    low, high = np.full((len(size), 3), np.inf), np.full((len(size), 3), -np.inf)
-    np.minimum.at(low, np.repeat(part, 3), corners)
-    np.maximum.at(high, np.repeat(part, 3), corners)
-    first = np.unique(part, return_index=True)[1]
-    points = vertices[faces[first]].mean(axis=1)
-    result, budget = answer.copy(), MOST_ANGLES
-    for p, point in enumerate(points):
-        within = (low < point).all(axis=1) & (point < high).all(axis=1) & (size > size[p])
-        for q in sorted(np.flatnonzero(within), key=lambda q: -size[q]):
-            shell = faces[part == q]
-            budget -= len(shell)
-            if budget < 0:
-                return result
-            if abs(winding_number(vertices, shell, point)) > 0.5:
-                result[p] = answer[q]
-                break
-    return result
-
-
-def winding_number(vertices: Floats, faces: Ints, point: Floats) -> float:
-    """How often a closed surface winds around a `point`: 1 inside, 0 outside.
-
-    Sums the solid angles of the faces (Van Oosterom & Strackee 1983, equation 8).
-    """
-    a, b, c = (vertices[faces[:, k]] - point for k in range(3))
-    la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
-    dot = lambda x, y: np.einsum("ij,ij->i", x, y)  # noqa: E731
-    below = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb
-    return float(np.arctan2(dot(a, np.cross(b, c)), below).sum() / (2 * np.pi))
+    return turned_over(faces, turned)
 
 
 def _without_specks(vertices: Floats, faces: Ints, findings: list[Finding]) -> Ints:

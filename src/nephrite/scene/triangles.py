@@ -7,8 +7,9 @@ from functools import cached_property
 
 import numpy as np
 
-from nephrite.scene.check import MeshReport, face_crosses, signed_volume
-from nephrite.scene.topology import Floats, Ints
+from nephrite.geometry.topology import Floats, Ints
+from nephrite.geometry.winding import face_crosses
+from nephrite.scene.check import MeshReport, signed_volume
 
 
 @dataclass(frozen=True, eq=False)

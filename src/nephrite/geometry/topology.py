@@ -1,4 +1,4 @@
-"""How the triangles of a mesh hang together: edges, pairs of faces, components, orientation.
+"""How the triangles of a mesh hang together: edges, pairs of faces, components.
 
 Everything here works on plain arrays and never moves a vertex. A *half-edge* is one side of one triangle:
 number `3 f + k` runs from corner `k` of face `f` to the next corner. A mesh is **closed** (it bounds a
@@ -80,37 +80,6 @@ def boundaries(faces: Ints) -> tuple[int, Ints, Ints]:
     ends, compact = np.unique(np.concatenate([edges.tail[at], edges.head[at]]), return_inverse=True)
     number, label = groups(compact[: len(at)], compact[len(at) :], len(ends)) if len(at) else (0, ends)
     return number, at, label[compact[: len(at)]]
-
-
-def wound_alike(faces: Ints) -> tuple[Ints, int, bool]:
-    """Turn faces over until neighbours agree, keeping each patch's majority.
-
-    Neighbours are two faces that alone share an edge. Solved at once on the double cover: every face is there
-    twice, as it is and turned; neighbours that disagree are joined crosswise.
-
-    Returns:
-        The faces, how many were turned over, and whether the surface has two sides everywhere (a Möbius
-        strip has not; its patch is left alone).
-    """
-    edges = edges_of(faces)
-    order = np.argsort(edges.edge, kind="stable")
-    order = order[edges.faces_at[edges.edge[order]] == 2].reshape(-1, 2)
-    crossed = edges.forward[order[:, 0]] == edges.forward[order[:, 1]]
-    if not crossed.any():
-        return faces, 0, True
-    a, b, count = order[:, 0] // 3, order[:, 1] // 3, len(faces)
-    first = np.concatenate([a, a + count])
-    second = np.concatenate([b + count * crossed, b + count * ~crossed])
-    number, sheet = groups(first, second, 2 * count)
-    one_sided = sheet[:count] == sheet[count:]
-    # Of the two sheets of a patch, turn over the faces that the larger one holds turned.
-    kept = np.bincount(sheet[:count], minlength=number)
-    turned = (kept[sheet[:count]] < kept[sheet[count:]]) & ~one_sided
-    tie = (kept[sheet[:count]] == kept[sheet[count:]]) & (sheet[:count] > sheet[count:]) & ~one_sided
-    turned |= tie
-    result = faces.copy()
-    result[turned] = result[turned][:, ::-1]
-    return result, int(turned.sum()), not one_sided.any()
 
 
 def pair_half_edges(vertices: Floats, faces: Ints) -> Ints:
