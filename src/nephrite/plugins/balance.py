@@ -26,11 +26,12 @@ import numpy as np
 from nephrite.plugins import jumped, walked
 from nephrite.plugins.field import Found, Grid
 from nephrite.plugins.media import JUMP, Media
-from nephrite.plugins.shapes import mean_chord, surface_points
+from nephrite.plugins.shapes import mean_chord, start, surface_points
 
 MOST = 0.985  # of the light that arrives: what is left covers the estimate's noise
 _KEPT = 0.995  # of what walks bring, likewise
 
+_JUMPS = 1 << 18  # from each shape
 _WALKS = 1 << 18
 _LEAST_WALKS = 1 << 13
 _EVENTS = 6e7  # of all walks, about: what they may cost
@@ -75,31 +76,33 @@ def balance(media: Media, scene: Any) -> None:
 
 def _brought(media: Media, number: int, scene: Any) -> Found:
     """Return what jumps bring of the light that arrives."""
-    points, brought = [], []
+    parts = []
     for shape in media.entries[number - 1].shapes:
-        si, found = jumped.jump_once(media, number, scene, shape)
-        points.append(np.array(si.p).T)
-        brought.append(np.array(found).T)
-    values = np.concatenate(brought)
-    return Found(np.concatenate(points), values, np.ones_like(values))
+        sampler = _sampler(_JUMPS, 0)
+        begun = start(scene, shape, sampler)
+        brought = np.array(jumped.jump_once(media, number, scene, sampler, begun)).T
+        parts.append((np.array(begun.si.p).T, brought, np.ones_like(brought)))
+    return Found(*(np.concatenate(part) for part in zip(*parts, strict=True)))
 
 
 def _walked(media: Media, number: int, scene: Any) -> Found | None:
     """Return what walks bring of the light that arrives, to the power of -1; None if they are too long."""
-    entry = media.entries[number - 1]
-    points, left, twice = [], [], []
+    entry, parts = media.entries[number - 1], []
     for shape in entry.shapes:
         count = int(min(_EVENTS / _events(entry, shape), _WALKS))
         if count < _LEAST_WALKS:
             return None
-        sampler = mi.load_dict({"type": "independent"})
-        sampler.seed(1, count)
-        at = surface_points(shape, sampler.next_2d(), sampler.next_1d())
-        out, arrived = walked.walk(scene, sampler, entry, at, shape)
-        points.append(np.array(at.p).T)
-        left.append(np.array(out).T)
-        twice.append(np.array(arrived).T)
-    return Found(*(np.concatenate(part) for part in (points, left, twice)), power=-1.0)
+        sampler = _sampler(count, 1)
+        begun = start(scene, shape, sampler)
+        found = walked.walk(scene, sampler, entry, begun)
+        parts.append([np.array(part).T for part in (begun.si.p, *found)])
+    return Found(*(np.concatenate(part) for part in zip(*parts, strict=True)), power=-1.0)
+
+
+def _sampler(count: int, seed: int) -> Any:
+    sampler: Any = mi.load_dict({"type": "independent"})
+    sampler.seed(seed, count)
+    return sampler
 
 
 def _events(entry: Any, shape: Any) -> float:

@@ -16,7 +16,7 @@ import numpy as np
 
 CELLS = 48  # along the longest side
 SCALES = (8.0, 4.0, 2.0)  # cells over which means reach, as standard deviations of a Gaussian
-SURE = 2.0  # standard errors that a difference must have
+SURE = 2.5  # standard errors that a difference must have
 
 
 @dataclass(frozen=True)

@@ -11,42 +11,38 @@ from nephrite.bssrdf import lobe
 from nephrite.plugins import jump
 from nephrite.plugins.kernels import Place
 from nephrite.plugins.media import Media
-from nephrite.plugins.shapes import surface_points
-
-_JUMPS = 1 << 18
+from nephrite.plugins.shapes import Start
 
 
-def jump_once(media: Media, number: int, scene: Any, shape: Any) -> tuple[Any, Any]:
-    """Return random points of a shape, and what a jump from each brings of the light that arrives."""
-    entry = media.entries[number - 1]
-    sampler = mi.load_dict({"type": "independent"})
-    sampler.seed(0, _JUMPS)
-    si = surface_points(shape, sampler.next_2d(), sampler.next_1d())
+def jump_once(media: Media, number: int, scene: Any, sampler: Any, start: Start) -> Any:
+    """Jump once from each point; return what that brings of the light that arrives, per channel."""
+    entry, si = media.entries[number - 1], start.si
     sigma_a, sigma_s = entry.coefficients(si, True)
     place = media.kernels.place(mi.UInt32(number), sigma_a, sigma_s, entry.g)
-    search = _land(scene, sampler, media, mi.UInt32(number), place, si, shape)
+    search = _land(scene, sampler, media, mi.UInt32(number), place, start)
     albedo = sigma_s / dr.maximum(sigma_a + sigma_s, 1e-30)
     found = search.share * search.total / jump.arriving(albedo, entry.single_share)
     if media.directional is not None:
         found *= _by_direction(media, number, sampler, sigma_a, sigma_s, si, search)
-    return si, found
+    return found
 
 
 @dr.syntax
-def _land(scene: Any, sampler: Any, media: Media, number: Any, place: Place, at: Any, shape: Any) -> Any:
-    """Jump once from every point of `at`; return the searches at their ends."""
-    identity = dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))
+def _land(scene: Any, sampler: Any, media: Media, number: Any, place: Place, start: Start) -> Any:
+    """Return the searches at their ends."""
+    at, identity = start.si, dr.reinterpret_array(mi.UInt32, mi.ShapePtr(start.shape))
     outward, β = mi.Vector3f(at.n), mi.Spectrum(1.0)
-    search, start, direction = jump.begin(media.kernels, place, at.p, outward, β, sampler, mi.Bool(True))
-    ray = mi.Ray3f(start, direction)
+    search, begin, direction = jump.begin(media.kernels, place, at.p, outward, β, sampler, mi.Bool(True))
+    ray = mi.Ray3f(begin, direction)
     active = mi.Bool(search.active)
     while active:
         ray.maxt = search.left
         si = scene.ray_intersect(ray, mi.RayFlags.All, False, active)
+        si.n = media.winding.outward(si)
         counts = active & si.is_valid() & (dr.reinterpret_array(mi.UInt32, si.shape) == identity)
         search = jump.visit(
             search, media.kernels, place, media.other_end(number, si, counts),
-            media.balanced(number, at.p, si.p), si, mi.Float(1.0), at.p, outward, β,
+            media.balanced(number, at.p, si.p), si, start.side, at.p, outward, β,
             sampler.next_1d(active), counts,
         )  # fmt: skip
         ray.o = jump.advance(search, si, ray, active)

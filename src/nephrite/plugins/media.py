@@ -26,8 +26,8 @@ from nephrite.plugins.field import Field
 from nephrite.plugins.fixed import Measured, Slabs
 from nephrite.plugins.kernels import HalfSpaces
 from nephrite.plugins.shapes import surface_points
-from nephrite.profiles.measured import MeasuredProfile
 from nephrite.plugins.winding import Winding
+from nephrite.profiles.measured import MeasuredProfile
 
 WALK, JUMP, LOCAL, LOW = range(4)
 """What is computed under a surface."""

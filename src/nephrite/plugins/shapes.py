@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from nephrite.plugins.winding import triangles
+from nephrite.plugins.winding import outward, triangles
 
 
 def surface_points(shape: Any, u2: Any, u1: Any) -> Any:
@@ -20,6 +21,28 @@ def surface_points(shape: Any, u2: Any, u1: Any) -> Any:
         shifted: Any = mi.sample_shifted(u1)
         si.wavelengths = mi.sample_rgb_spectrum(shifted)[0]
     return si
+
+
+@dataclass
+class Start:
+    """Random points of a `shape`, uniform over its area, from which light enters.
+
+    `si`: interactions, with normals that point outward; `side`: 1 if so do the shape's own, see `Winding`, and -1 else.
+    """
+
+    shape: Any
+    si: Any
+    side: float
+
+
+def start(scene: Any, shape: Any, sampler: Any) -> Start:
+    """Return as many points as the sampler has lanes."""
+    si = surface_points(shape, sampler.next_2d(), sampler.next_1d())
+    n = mi.Vector3f(outward(scene, shape, si.p, mi.Vector3f(si.n)))
+    # of a mesh that is wound both ways, `Winding` turns what is less
+    side = 1.0 if float(dr.mean(dr.dot(n, si.n))[0]) > 0 else -1.0
+    si.n, si.sh_frame = mi.Normal3f(n), mi.Frame3f(n)
+    return Start(shape, si, side)
 
 
 def mean_chord(shape: Any) -> float:

@@ -13,18 +13,19 @@ import mitsuba as mi
 
 from nephrite.physics import phase
 from nephrite.plugins import channels, interface
+from nephrite.plugins.shapes import Start
 
 _ROULETTE_SHARE = 0.05  # of the light, below which roulette begins
 _LONGEST = 100_000
 
 
 @dr.syntax
-def walk(scene: Any, sampler: Any, entry: Any, at: Any, shape: Any) -> tuple[Any, Any]:
-    """Walk once from every point of `at`; return the light that left and that had scattered twice, per channel.
+def walk(scene: Any, sampler: Any, entry: Any, start: Start) -> tuple[Any, Any]:
+    """Walk once from each point; return the light that left, and that had scattered twice, per channel.
 
-    `entry`: the `media.Entry` of the shape. Normals at `at` point outward.
+    `entry`: the `media.Entry` of the shape.
     """
-    identity = dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))
+    at, identity = start.si, dr.reinterpret_array(mi.UInt32, mi.ShapePtr(start.shape))
     absorbed, sigma_s = entry.coefficients(at, True)
     sigma_t = absorbed + sigma_s
     falling = -mi.Frame3f(at.n).to_world(mi.warp.square_to_cosine_hemisphere(sampler.next_2d()))

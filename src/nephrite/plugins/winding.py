@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from nephrite.geometry.winding import against_others
 
+MAX_HITS = 256  # on a line
 _KEPT = 64  # meshes
 _known: dict[bytes, NDArray[np.bool_]] = {}  # a picture's passes ask for the same meshes again and again
 
@@ -47,6 +48,27 @@ class Winding:
         mixed = (identity < self._size) & (first >= 0)
         sign = dr.gather(mi.Float, self._signs, mi.UInt32(first) + si.prim_index, mixed)
         return mi.Normal3f(si.n * dr.select(mixed, sign, 1.0))
+
+
+@dr.syntax
+def outward(scene: Any, shape: Any, p: Any, n: Any) -> Any:
+    """Return `n` or `-n`: the one along which a line from the point `p` of a closed `shape` crosses it evenly often."""
+    identity = dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))
+    start = dr.zeros(mi.Interaction3f, dr.width(p))
+    start.p, start.n = p, n
+    ray = start.spawn_ray(n)
+    dr.eval(
+        ray
+    )  # two loops of one kernel may not both intersect rays (Dr.Jit 1.5 defines the same function twice)
+    inward, active, turns = mi.Bool(False), mi.Bool(True), mi.UInt32(0)
+    while active:
+        si = scene.ray_intersect(ray, mi.RayFlags.All, False, active)
+        active &= si.is_valid() & (turns < MAX_HITS)
+        inward ^= active & (dr.reinterpret_array(mi.UInt32, si.shape) == identity)
+        ray.o = si.spawn_ray(ray.d).o
+        turns += 1
+    dr.eval(inward)
+    return dr.select(inward, -n, n)
 
 
 def triangles(mesh: Any) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
