@@ -64,7 +64,7 @@ def read(props: Any) -> Settings:
         terms,
         max_depth=_count(props, "max_depth", -1, -1, "-1 (no limit), or the longest path's number of edges"),
         rr_depth=_count(props, "rr_depth", 5, 1, "the depth, from 1, at which Russian roulette begins"),
-        max_steps=_count(props, "max_steps", 100_000, 1, "the longest walk's number of events, from 1"),
+        max_steps=_count(props, "max_steps", 1_000_000, 1, "the longest walk's number of events, from 1"),
         hide_emitters=bool(props.get("hide_emitters", False)),
         profiles=() if profile is None else _profiles(str(profile)),
         thickness=math.inf if thickness is None else float(thickness),

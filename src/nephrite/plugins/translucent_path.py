@@ -47,7 +47,7 @@ class TranslucentPath(mi.SamplingIntegrator):
        - Depth at which Russian roulette begins. (Default: 5)
      * - max_steps
        - |int|
-       - Longest walk. What it cuts is measured and logged. (Default: 100000)
+       - Longest walk. What it cuts is measured and logged. (Default: 1000000)
      * - hide_emitters
        - |bool|
        - Hide directly visible emitters. (Default: no)
