@@ -18,6 +18,7 @@ Light between two points stays reciprocal in both.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import mitsuba as mi
@@ -70,7 +71,9 @@ def balance(media: Media, scene: Any) -> None:
                 apart = grid.logarithm(brought, truth) - math.log2(_KEPT)
                 logarithm = np.clip(logarithm + step * apart, -_BOUND, _BOUND)
             else:
-                logarithm = np.maximum(grid.logarithm(brought) - math.log2(MOST), 0.0)
+                # by both ends, where a mean over them is taken: that is by the greater, or more
+                ends = 2.0 if media.kernels.finite else 1.0
+                logarithm = ends * np.maximum(grid.logarithm(brought) - math.log2(MOST), 0.0)
             media.balance.put(number, grid, logarithm)
 
 
@@ -82,7 +85,7 @@ def _brought(media: Media, number: int, scene: Any) -> Found:
         begun = start(scene, shape, sampler)
         brought = np.array(jumped.jump_once(media, number, scene, sampler, begun)).T
         parts.append((np.array(begun.si.p).T, brought, np.ones_like(brought)))
-    return Found(*(np.concatenate(part) for part in zip(*parts, strict=True)))
+    return _found(parts)
 
 
 def _walked(media: Media, number: int, scene: Any) -> Found | None:
@@ -95,8 +98,14 @@ def _walked(media: Media, number: int, scene: Any) -> Found | None:
         sampler = _sampler(count, 1)
         begun = start(scene, shape, sampler)
         found = walked.walk(scene, sampler, entry, begun)
-        parts.append([np.array(part).T for part in (begun.si.p, *found)])
-    return Found(*(np.concatenate(part) for part in zip(*parts, strict=True)), power=-1.0)
+        parts.append(tuple(np.array(part).T for part in (begun.si.p, *found)))
+    return replace(_found(parts), power=-1.0)
+
+
+def _found(parts: list[tuple[np.ndarray, ...]]) -> Found:
+    """Put together points, values and weights of the shapes."""
+    points, values, weights = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return Found(points, values, weights)
 
 
 def _sampler(count: int, seed: int) -> Any:
