@@ -25,6 +25,7 @@ METHODS: dict[str, dict[str, Any]] = {
     "walk, exact exit": {"type": "translucent_path", "model": "walk", "exit": "exact"},
     "walk, lobe exit": {"type": "translucent_path", "model": "walk", "exit": "lobe"},
     "dipole": {"type": "translucent_path", "model": "dipole"},
+    "tabulated": {"type": "translucent_path", "model": "tabulated"},
     "brdf": {"type": "translucent_path", "model": "brdf"},
 }
 
