@@ -34,7 +34,7 @@ def _sampler(count=1 << 18):
 def _brought(media, scene):
     """What jumps bring, from random points: (points, channels)."""
     sampler = _sampler()
-    begun = shapes.start(scene, media.entries[0].shapes[0], sampler)
+    begun = shapes.start(scene, media.winding, media.entries[0].shapes[0], sampler)
     return begun.si.p, np.array(jumped.jump_once(media, 1, scene, sampler, begun)).T
 
 
@@ -92,7 +92,7 @@ def test_the_tabulated_profile_brings_what_walks_bring(shape):
     balance.balance(media, scene)
     after = _brought(media, scene)[1].mean(0)
     sampler = _sampler()
-    begun = shapes.start(scene, media.entries[0].shapes[0], sampler)
+    begun = shapes.start(scene, media.winding, media.entries[0].shapes[0], sampler)
     left, twice = (np.array(x).mean(1) for x in walked.walk(scene, sampler, media.entries[0], begun))
     print(shape, before, after, left / twice)
     assert after == pytest.approx(0.995 * left / twice, rel=0.02)

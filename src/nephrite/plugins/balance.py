@@ -82,7 +82,7 @@ def _brought(media: Media, number: int, scene: Any) -> Found:
     parts = []
     for shape in media.entries[number - 1].shapes:
         sampler = _sampler(_JUMPS, 0)
-        begun = start(scene, shape, sampler)
+        begun = start(scene, media.winding, shape, sampler)
         brought = np.array(jumped.jump_once(media, number, scene, sampler, begun)).T
         parts.append((np.array(begun.si.p).T, brought, np.ones_like(brought)))
     return _found(parts)
@@ -96,7 +96,7 @@ def _walked(media: Media, number: int, scene: Any) -> Found | None:
         if count < _LEAST_WALKS:
             return None
         sampler = _sampler(count, 1)
-        begun = start(scene, shape, sampler)
+        begun = start(scene, media.winding, shape, sampler)
         found = walked.walk(scene, sampler, entry, begun)
         parts.append(tuple(np.array(part).T for part in (begun.si.p, *found)))
     return replace(_found(parts), power=-1.0)

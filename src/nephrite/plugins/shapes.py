@@ -9,7 +9,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from nephrite.plugins.winding import outward, triangles
+from nephrite.plugins.winding import Winding, outward, triangles
 
 
 def surface_points(shape: Any, u2: Any, u1: Any) -> Any:
@@ -27,7 +27,7 @@ def surface_points(shape: Any, u2: Any, u1: Any) -> Any:
 class Start:
     """Random points of a `shape`, uniform over its area, from which light enters.
 
-    `si`: interactions, with normals that point outward; `side`: 1 if so do the shape's own, see `Winding`, and -1 else.
+    `si`: interactions, with normals that point outward; `side`: 1 if so do those of `Winding`, and -1 else.
     """
 
     shape: Any
@@ -35,12 +35,15 @@ class Start:
     side: float
 
 
-def start(scene: Any, shape: Any, sampler: Any) -> Start:
+def start(scene: Any, winding: Winding, shape: Any, sampler: Any) -> Start:
     """Return as many points as the sampler has lanes."""
     si = surface_points(shape, sampler.next_2d(), sampler.next_1d())
-    n = mi.Vector3f(outward(scene, shape, si.p, mi.Vector3f(si.n)))
-    # of a mesh that is wound both ways, `Winding` turns what is less
-    side = 1.0 if float(dr.mean(dr.dot(n, si.n))[0]) > 0 else -1.0
+    n, own = mi.Vector3f(outward(scene, shape, si.p, mi.Vector3f(si.n))), si.n
+    if winding.any_mixed:  # which face it is tells a ray from above
+        above = si.spawn_ray(n)
+        above.d = -n
+        own = winding.outward(scene.ray_intersect(above))
+    side = 1.0 if float(dr.mean(dr.dot(n, own))[0]) > 0 else -1.0
     si.n, si.sh_frame = mi.Normal3f(n), mi.Frame3f(n)
     return Start(shape, si, side)
 
