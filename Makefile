@@ -5,12 +5,15 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet
 INSTALLED := .venv/.installed
 DEVELOPED := .venv/.developed
 
-.PHONY: help install dragon figures test lint clean
+PEERS := .venv-bench/.installed
+
+.PHONY: help install dragon figures bench test lint clean
 .DELETE_ON_ERROR:
 
 help:
 	@echo "make dragon    install, fetch the Stanford dragon, render it in jade: out/dragon.png, out/dragon.exr"
 	@echo "make figures   the paper's results on the dragon: out/figures"
+	@echo "make bench     beside Cycles, LuxCore and Mitsuba, some 100 minutes: docs/benchmark.md; BENCH=--quick: some minutes"
 	@echo "make install   the package alone, into .venv: run $(BIN)/nephrite"
 	@echo "make test      the tests; make test PYTEST='-m \"not slow\"' for the quick ones"
 	@echo "make lint      ruff and pyright"
@@ -41,6 +44,18 @@ figures: $(INSTALLED)
 	$(BIN)/nephrite profile "skim milk" --models tabulated,photon_beam,normalized,dipole \
 	  -o out/figures/profile-skim-milk.png
 
+bench: $(INSTALLED) $(PEERS)
+	$(BIN)/python -m benchmarks.bench $(BENCH)
+
+# Each peer that has a wheel for this Python; one that has none is left out of the benchmark.
+$(PEERS): Makefile
+	@echo "Installing the benchmark's peers into .venv-bench (some 500 MB) ..."
+	@[ -x .venv-bench/bin/pip ] || $(PYTHON) -m venv .venv-bench
+	@for peer in bpy pyluxcore; do \
+	  .venv-bench/bin/python -m pip --disable-pip-version-check install --quiet --only-binary :all: numpy $$peer || \
+	  echo "left out: pip cannot install $$peer for $$($(PYTHON) --version); bpy 5.0.1 wants Python 3.11"; done
+	@touch $@
+
 test: $(DEVELOPED)
 	$(BIN)/python -m pytest $(PYTEST)
 
@@ -50,5 +65,5 @@ lint: $(DEVELOPED)
 	$(BIN)/pyright
 
 clean:
-	rm -rf .venv out build dist .pytest_cache .ruff_cache .hypothesis
+	rm -rf .venv .venv-bench out build dist .pytest_cache .ruff_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,138 @@
+"""From pictures and times to the numbers of the page: error over time, time to 1 %, efficiency, bias."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from nephrite.atlas.compared import Difference, Estimate, difference
+from nephrite.image import errors
+
+GOAL = 0.01
+"""The relMSE that methods race to."""
+
+_EPSILON = 1e-2
+
+
+@dataclass(frozen=True)
+class Truth:
+    """A scene's reference, and the object's pixels."""
+
+    estimate: Estimate
+    mask: NDArray[np.bool_]
+
+    @property
+    def noise(self) -> float:
+        """What the reference's own noise adds to every relMSE."""
+        mean, error = (x[self.mask] for x in (self.estimate.mean, self.estimate.error))
+        return float(np.mean(error**2 / (mean**2 + _EPSILON)))
+
+
+def level(a: NDArray, b: NDArray, seconds: float, truth: Truth) -> dict[str, float]:
+    """Return what a pair of pictures of `seconds` each says.
+
+    `relmse`: against the truth, whose own noise is taken out; `noise`: the part of it that is variance, from the
+    difference of the two. `floor`: the part that is bias, from the product of their errors, which are independent but
+    for it; 0 below two of its standard errors. `efficiency`: see `errors.efficiency`.
+    """
+    reference = truth.estimate.mean[truth.mask]
+    scale = reference**2 + _EPSILON
+    first, second = (np.asarray(picture, np.float64)[truth.mask] - reference for picture in (a, b))
+    common = first * second / scale
+    floor = float(common.mean()) - truth.noise
+    both = [errors.relmse(picture, truth.estimate.mean, truth.mask, _EPSILON) for picture in (a, b)]
+    return {
+        "seconds": seconds,
+        "relmse": max(sum(both) / 2 - truth.noise, 1e-9),
+        "noise": float(np.mean((first - second) ** 2 / (2 * scale))),
+        "floor": floor if floor > 2 * float(common.std()) / math.sqrt(common.size) else 0.0,
+        "efficiency": errors.efficiency(a, b, seconds, truth.mask),
+    }
+
+
+@dataclass(frozen=True)
+class TimeToGoal:
+    """`seconds` until relMSE is `GOAL`: infinite if bias alone is above it.
+
+    `how`: "=" where the curve crosses it, "~" beyond the curve's end, where noise is taken to fall as 1 / time, "<"
+    where its first point is already below.
+    """
+
+    seconds: float
+    how: str
+
+
+def time_to_goal(curve: Sequence[dict[str, float]], goal: float = GOAL) -> TimeToGoal:
+    """Return the time at which a curve of levels, each slower than the one before, reaches `goal`."""
+    first, last = curve[0], curve[-1]
+    if first["relmse"] <= goal:
+        return TimeToGoal(first["seconds"], "<")
+    for before, after in pairwise(curve):
+        if after["relmse"] <= goal:
+            share = math.log(before["relmse"] / goal) / math.log(before["relmse"] / after["relmse"])
+            ratio = after["seconds"] / before["seconds"]
+            return TimeToGoal(before["seconds"] * ratio**share, "=")
+    if last["floor"] >= goal:
+        return TimeToGoal(math.inf, "~")
+    return TimeToGoal(last["seconds"] * last["noise"] / (goal - last["floor"]), "~")
+
+
+def mean_of(rounds: Sequence[tuple[NDArray, NDArray]]) -> Estimate:
+    """Return the mean of all pairs of pictures, with its standard error from how the two of a pair differ."""
+    pairs = [(np.asarray(a, np.float64), np.asarray(b, np.float64)) for a, b in rounds]
+    total = sum((a + b for a, b in pairs), np.zeros(pairs[0][0].shape))
+    variance = sum(((a - b) ** 2 for a, b in pairs), np.zeros(pairs[0][0].shape))
+    return Estimate(total / (2 * len(pairs)), np.sqrt(variance) / (2 * len(pairs)))
+
+
+def against_truth(estimate: Estimate, truth: Truth) -> Difference:
+    """Return how far a picture is from the truth over the object's pixels, with its standard errors."""
+    return difference(estimate, truth.estimate, truth.mask)
+
+
+@dataclass(frozen=True)
+class Spread:
+    """The mean of a ratio over the rounds (geometric), and its least and largest value."""
+
+    mean: float
+    least: float
+    largest: float
+
+
+def ratio(above: Sequence[float], below: Sequence[float]) -> Spread | None:
+    """Return the ratio of two quantities measured round by round; None if there is none that is finite."""
+    ratios = [a / b for a, b in zip(above, below, strict=False) if 0.0 < a < math.inf and 0.0 < b < math.inf]
+    if not ratios:
+        return None
+    mean = math.exp(sum(math.log(r) for r in ratios) / len(ratios))
+    return Spread(mean, min(ratios), max(ratios))
+
+
+def summary(runs: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Return the numbers of a method's rounds, as lists over them, and the curve of the means.
+
+    `goal`: seconds to `GOAL`; `quiet`: the same if it had no bias.
+    """
+    curves = [run["curve"] for run in runs]
+    depth = min(len(curve) for curve in curves)
+    mean_curve = [
+        {key: float(np.mean([curve[i][key] for curve in curves])) for key in ("seconds", "relmse", "noise")}
+        for i in range(depth)
+    ]
+    goals = [time_to_goal(curve) for curve in curves]
+    return {
+        "curve": mean_curve,
+        "efficiency": [curve[-1]["efficiency"] for curve in curves],
+        "goal": [goal.seconds for goal in goals],
+        "quiet": [curve[-1]["seconds"] * curve[-1]["noise"] / GOAL for curve in curves],
+        "how": goals[0].how if len({goal.how for goal in goals}) == 1 else "~",
+        "rate": [run["samples"] / run["curve"][-1]["seconds"] for run in runs],
+        "peak": max(run["peak"] for run in runs),
+        "version": runs[0]["version"],
+    }

@@ -1,0 +1,205 @@
+"""Writes the benchmark's page: what was compared, how, and what came out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import nephrite
+from benchmarks import analysis, curves, words
+from benchmarks.methods import BASE, Method
+from benchmarks.peers.measure import cores
+from benchmarks.scenes import Scene
+from nephrite.atlas.compared import Difference, Estimate
+from nephrite.atlas.tables import paragraph, percent, table
+
+MIB = 2**20
+
+
+@dataclass(frozen=True)
+class SceneResult:
+    """A scene, as it was given to the peers, its truth, and of each method (numbers, pictures) for every round."""
+
+    scene: Scene
+    described: dict[str, Any]
+    truth: analysis.Truth
+    runs: Mapping[str, Sequence[tuple[dict[str, Any], dict[str, Any]]]]
+
+    def numbers(self, name: str) -> list[dict[str, Any]]:
+        """Return the numbers of a method's rounds."""
+        return [numbers for numbers, _ in self.runs[name]]
+
+    def estimate(self, name: str) -> Estimate:
+        """Return the mean of all the pictures of a method."""
+        return analysis.mean_of([(p["a"], p["b"]) for _, p in self.runs[name]])
+
+    def error(self, name: str) -> Difference:
+        """Return how far that mean is from the truth."""
+        return analysis.against_truth(self.estimate(name), self.truth)
+
+
+def write(
+    target: Path, results: Sequence[SceneResult], methods: Sequence[Method],
+    left_out: Mapping[str, str], given: Mapping[str, Any],
+) -> Path:  # fmt: skip
+    """Write the page to `target` and its figures beside it, into figures/benchmark; returns `target`."""
+    figures = target.parent / "figures/benchmark"
+    parts = [_head(results, given), _rules(given)]
+    if results:
+        panels = {
+            r.scene.title: {name: analysis.summary(r.numbers(name))["curve"] for name in r.runs}
+            for r in results
+        }
+        curves.over_time(figures / "curves.png", panels, methods)
+        parts += ["## Error over time", "![relMSE over time](figures/benchmark/curves.png)"]
+        parts.append(_first_table(results, methods))
+    for result in results:
+        parts.append(_scene(result, methods, figures))
+    parts += [_materials(results), _comparable(), _left_out(left_out), words.AGAIN]
+    target.parent.mkdir(parents=True, exist_ok=True)
+    target.write_text("\n\n".join(part for part in parts if part) + "\n", encoding="utf-8")
+    return target
+
+
+def _head(results: Sequence[SceneResult], given: Mapping[str, Any]) -> str:
+    note = "<!-- Made by `make bench`: change the code in benchmarks/, not this page. -->"
+    told = [
+        "Nephrite beside the renderers that pip installs: the same scenes, on the same processor, in one run."
+    ]
+    runs = [numbers for r in results for name in r.runs for numbers in r.numbers(name)]
+    if not runs:
+        told.append(
+            "Nothing has been measured yet for this version: `make bench` does, and writes its tables here."
+        )
+    else:
+        dates = sorted(numbers["date"] for numbers in runs)
+        versions = sorted({numbers["version"] for numbers in runs})
+        told.append(
+            f"Version {nephrite.__version__} with {'; '.join(versions)}. Measured from {dates[0][:16]} to "
+            f"{dates[-1][:16]} UTC on {cores()} processor cores, {given['resolution']} pixels."
+        )
+    warning = (
+        "**A quick run: whether everything works, too short for its numbers to mean anything.**"
+        if given["quick"]
+        else ""
+    )
+    return "\n\n".join(part for part in ["# The benchmark", note, paragraph(*told), warning] if part)
+
+
+def _rules(given: Mapping[str, Any]) -> str:
+    told = (words.RULES.format(**given), words.MEASURES.format(base=BASE))
+    return "\n\n".join(["## How it is measured", *(paragraph(part.strip()) for part in told)])
+
+
+def _first_table(results: Sequence[SceneResult], methods: Sequence[Method]) -> str:
+    """Return how many times faster to 1 % than the base each method is in each scene."""
+    rows = []
+    for method in methods:
+        if any(method.name in r.runs for r in results):
+            rows.append([method.title, *(_faster(r, method.name) for r in results)])
+    told = paragraph(words.FASTER.strip())
+    return told + "\n\n" + table(["method", *(r.scene.title for r in results)], rows)
+
+
+def _faster(result: SceneResult, name: str) -> str:
+    if name not in result.runs or BASE not in result.runs:
+        return ""
+    own, base = (analysis.summary(result.numbers(n)) for n in (name, BASE))
+    if all(math.isinf(seconds) for seconds in own["goal"]):
+        return "-"
+    return _spread(analysis.ratio(base["quiet"], own["goal"]))
+
+
+def _scene(result: SceneResult, methods: Sequence[Method], figures: Path) -> str:
+    shown = [method for method in methods if method.name in result.runs]
+    errors = {method.name: result.error(method.name) for method in shown}
+    sheet = figures / f"{result.scene.name}.png"
+    means = {method.name: result.estimate(method.name) for method in shown}
+    curves.pictures(sheet, result.scene.title, result.truth, means, errors, shown)
+    rows = [_row(result, method, errors[method.name]) for method in shown]
+    head = (
+        "method", "seconds to 1 %", "noise alone", "times faster", "efficiency", "ratio", "bias %", "worst block %",
+        "Msamples/s", "memory, MiB",
+    )  # fmt: skip
+    told = paragraph(
+        f"{result.described['triangles']:,} triangles, {result.scene.size:g} mm. The reference's own relative "
+        f"variance is {100 * result.truth.noise:.2g} %."
+    )
+    return "\n\n".join(
+        [
+            f"## {result.scene.title}",
+            told,
+            f"![{result.scene.title}](figures/benchmark/{sheet.name})",
+            table(head, rows),
+        ]
+    )
+
+
+def _row(result: SceneResult, method: Method, error: Difference) -> list[str]:
+    own = analysis.summary(result.numbers(method.name))
+    base = analysis.summary(result.numbers(BASE)) if BASE in result.runs else None
+    finite = [seconds for seconds in own["goal"] if math.isfinite(seconds)]
+    sign = "" if own["how"] == "=" else f"{own['how']} "
+    return [
+        method.title,
+        f"{sign}{_short(float(np.median(finite)))}" if finite else "-",
+        _short(float(np.median(own["quiet"]))),
+        _faster(result, method.name),
+        _short(float(np.mean(own["efficiency"]))),
+        _spread(analysis.ratio(own["efficiency"], base["efficiency"])) if base else "",
+        percent(error.bias, error.bias_error, signed=True),
+        percent(error.worst, error.worst_error, signed=True),
+        f"{max(own['rate']) / 1e6:.2f}",
+        f"{own['peak'] / MIB:.0f}",
+    ]
+
+
+def _spread(spread: analysis.Spread | None) -> str:
+    if spread is None:
+        return ""
+    if spread.least == spread.largest:
+        return _short(spread.mean)
+    return f"{_short(spread.mean)} ({_short(spread.least)} to {_short(spread.largest)})"
+
+
+def _short(value: float) -> str:
+    """Return two significant digits, and no exponent."""
+    if not math.isfinite(value) or value == 0.0:
+        return f"{value:g}"
+    digits = 1 - math.floor(math.log10(abs(value)))
+    return f"{round(value, digits):,.{max(digits, 0)}f}"
+
+
+def _materials(results: Sequence[SceneResult]) -> str:
+    if not results:
+        return ""
+
+    def three(values: Sequence[float]) -> str:
+        return " ".join(f"{value:.3g}" for value in values)
+
+    rows = [
+        [
+            r.scene.material, three(r.described["sigma_a"]), three(r.described["sigma_s"]), f"{r.described['g']:g}",
+            f"{r.described['eta']:g}", three(r.described["color"]), three(r.described["radius"]),
+        ]
+        for r in results
+    ]  # fmt: skip
+    told = paragraph(words.MATERIALS.strip())
+    head = ("material", "sigma_a", "sigma_s", "g", "eta", "colour", "mean free path")
+    return "\n\n".join(["## Materials", told, table(head, rows)])
+
+
+def _comparable() -> str:
+    points = (paragraph(f"- {text.strip()}").replace("\n", "\n  ") for text in words.COMPARABLE)
+    return "## What is and is not comparable\n\n" + "\n".join(points)
+
+
+def _left_out(left_out: Mapping[str, str]) -> str:
+    if not left_out:
+        return ""
+    return "## Left out\n\n" + "\n".join(f"- {what}: {why}" for what, why in left_out.items())
