@@ -1,5 +1,6 @@
 # The commands that people and continuous integration share. Everything goes into .venv and out.
 PYTHON ?= python3
+PEER_PYTHON ?= $(PYTHON)
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet
 INSTALLED := .venv/.installed
@@ -13,7 +14,7 @@ PEERS := .venv-bench/.installed
 help:
 	@echo "make dragon    install, fetch the Stanford dragon, render it in jade: out/dragon.png, out/dragon.exr"
 	@echo "make figures   the paper's results on the dragon: out/figures"
-	@echo "make bench     beside Cycles, LuxCore and Mitsuba, some 100 minutes: docs/benchmark.md; BENCH=--quick: some minutes"
+	@echo "make bench     beside Cycles, LuxCore and Mitsuba, some two hours: docs/benchmark.md; BENCH=--quick: some minutes"
 	@echo "make install   the package alone, into .venv: run $(BIN)/nephrite"
 	@echo "make test      the tests; make test PYTEST='-m \"not slow\"' for the quick ones"
 	@echo "make lint      ruff and pyright"
@@ -49,11 +50,11 @@ bench: $(INSTALLED) $(PEERS)
 
 # Each peer that has a wheel for this Python; one that has none is left out of the benchmark.
 $(PEERS): Makefile
-	@echo "Installing the benchmark's peers into .venv-bench (some 500 MB) ..."
-	@[ -x .venv-bench/bin/pip ] || $(PYTHON) -m venv .venv-bench
+	@echo "Installing the benchmark's peers into .venv-bench (1.4 GB) ..."
+	@[ -x .venv-bench/bin/pip ] || $(PEER_PYTHON) -m venv .venv-bench
 	@for peer in bpy pyluxcore; do \
 	  .venv-bench/bin/python -m pip --disable-pip-version-check install --quiet --only-binary :all: numpy $$peer || \
-	  echo "left out: pip cannot install $$peer for $$($(PYTHON) --version); bpy 5.0.1 wants Python 3.11"; done
+	  echo "left out: there is no $$peer for $$($(PEER_PYTHON) --version). Blender 5.0 wants PEER_PYTHON=python3.11"; done
 	@touch $@
 
 test: $(DEVELOPED)

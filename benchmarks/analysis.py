@@ -18,6 +18,7 @@ GOAL = 0.01
 """The relMSE that methods race to."""
 
 _EPSILON = 1e-2
+_SURE = 3.0  # standard errors: fireflies make them uncertain
 
 
 @dataclass(frozen=True)
@@ -39,19 +40,20 @@ def level(a: NDArray, b: NDArray, seconds: float, truth: Truth) -> dict[str, flo
 
     `relmse`: against the truth, whose own noise is taken out; `noise`: the part of it that is variance, from the
     difference of the two. `floor`: the part that is bias, from the product of their errors, which are independent but
-    for it; 0 below two of its standard errors. `efficiency`: see `errors.efficiency`.
+    for it; 0 below three of its standard errors. `efficiency`: see `errors.efficiency`.
     """
     reference = truth.estimate.mean[truth.mask]
     scale = reference**2 + _EPSILON
     first, second = (np.asarray(picture, np.float64)[truth.mask] - reference for picture in (a, b))
-    common = first * second / scale
-    floor = float(common.mean()) - truth.noise
+    # both hold the reference's error: its square is taken out
+    common = (first * second - truth.estimate.error[truth.mask] ** 2) / scale
+    floor = float(common.mean())
     both = [errors.relmse(picture, truth.estimate.mean, truth.mask, _EPSILON) for picture in (a, b)]
     return {
         "seconds": seconds,
         "relmse": max(sum(both) / 2 - truth.noise, 1e-9),
         "noise": float(np.mean((first - second) ** 2 / (2 * scale))),
-        "floor": floor if floor > 2 * float(common.std()) / math.sqrt(common.size) else 0.0,
+        "floor": floor if floor > _SURE * float(common.std()) / math.sqrt(common.size) else 0.0,
         "efficiency": errors.efficiency(a, b, seconds, truth.mask),
     }
 

@@ -18,8 +18,10 @@ _COLOURS = {
     "burley": "#c9a227", "walk-exact": "#08306b", "walk": "#0072b2", "transport": "#009e73", "tabulated": "#56b4e9",
     "dipole": "#7fcdbb", "brdf": "#bdbdbd",
 }  # fmt: skip
+_MOST = 1e3  # end of the axis of relMSE
 _INK, _SOFT, _GRID = "#22242a", "#6d717a", "#e3e4e8"
-_WIDTH = 144  # of a picture on a sheet
+_WIDTH = 192  # of a picture on a sheet
+_COLUMNS = 6
 _LIMIT = 0.5  # of the maps
 _BRIGHT = 0.8  # where the 99th percentile of the truth is shown
 
@@ -52,6 +54,7 @@ def over_time(
             shown[method.title] = line[0]
         spot.axhline(GOAL, color=_SOFT, linewidth=0.8, linestyle=(0, (2, 2)))
         spot.set(xscale="log", yscale="log", xlabel="seconds for a picture")
+        spot.set_ylim(GOAL / 20, min(spot.get_ylim()[1], _MOST))
         spot.set_title(title, fontsize=10, loc="left", color=_INK)
         spot.grid(True, color=_GRID, linewidth=0.7)
         spot.tick_params(which="both", color=_SOFT, labelsize=8)
@@ -68,7 +71,7 @@ def pictures(
     path: Path, title: str, truth: Truth, means: Mapping[str, Estimate],
     errors: Mapping[str, Difference], methods: Sequence[Method],
 ) -> Path:  # fmt: skip
-    """Lay out the reference and each method's mean picture, above maps of their errors in blocks of 4 x 4 pixels."""
+    """Lay out the reference and each method's mean picture, before maps of their errors in blocks of 4 x 4 pixels."""
     reference, mask = truth.estimate, truth.mask
     exposure = float(np.log2(_BRIGHT / max(float(np.percentile(reference.mean[mask], 99)), 1e-6)))
     shown = [method for method in methods if method.name in means]
@@ -87,7 +90,6 @@ def pictures(
     worst = [f"worst block {100 * errors[method.name].worst:+.0f} %" for method in shown]
     sheet = figure.side_by_side(
         images, labels, title, ["exact walk", *means_of, "standard error", *worst],
-        columns=1 + len(shown), width=_WIDTH, exposure=exposure,
+        columns=min(1 + len(shown), _COLUMNS), width=_WIDTH, exposure=exposure,
     )  # fmt: skip
-    path.parent.mkdir(parents=True, exist_ok=True)
     return write.save(path, sheet, {"shows": title})

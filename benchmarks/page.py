@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +42,10 @@ class SceneResult:
         """Return how far that mean is from the truth."""
         return analysis.against_truth(self.estimate(name), self.truth)
 
+    def around(self, name: str) -> Difference:
+        """Return the same of the pixels around the object: whether light, floor and sky are those of the others."""
+        return analysis.against_truth(self.estimate(name), replace(self.truth, mask=~self.truth.mask))
+
 
 def write(
     target: Path, results: Sequence[SceneResult], methods: Sequence[Method],
@@ -49,6 +53,7 @@ def write(
 ) -> Path:  # fmt: skip
     """Write the page to `target` and its figures beside it, into figures/benchmark; returns `target`."""
     figures = target.parent / "figures/benchmark"
+    figures.mkdir(parents=True, exist_ok=True)
     parts = [_head(results, given), _rules(given)]
     if results:
         panels = {
@@ -61,7 +66,6 @@ def write(
     for result in results:
         parts.append(_scene(result, methods, figures))
     parts += [_materials(results), _comparable(), _left_out(left_out), words.AGAIN]
-    target.parent.mkdir(parents=True, exist_ok=True)
     target.write_text("\n\n".join(part for part in parts if part) + "\n", encoding="utf-8")
     return target
 
@@ -124,7 +128,7 @@ def _scene(result: SceneResult, methods: Sequence[Method], figures: Path) -> str
     rows = [_row(result, method, errors[method.name]) for method in shown]
     head = (
         "method", "seconds to 1 %", "noise alone", "times faster", "efficiency", "ratio", "bias %", "worst block %",
-        "Msamples/s", "memory, MiB",
+        "around %", "Msamples/s", "memory, MiB",
     )  # fmt: skip
     told = paragraph(
         f"{result.described['triangles']:,} triangles, {result.scene.size:g} mm. The reference's own relative "
@@ -143,6 +147,7 @@ def _scene(result: SceneResult, methods: Sequence[Method], figures: Path) -> str
 def _row(result: SceneResult, method: Method, error: Difference) -> list[str]:
     own = analysis.summary(result.numbers(method.name))
     base = analysis.summary(result.numbers(BASE)) if BASE in result.runs else None
+    around = result.around(method.name)
     finite = [seconds for seconds in own["goal"] if math.isfinite(seconds)]
     sign = "" if own["how"] == "=" else f"{own['how']} "
     return [
@@ -154,6 +159,7 @@ def _row(result: SceneResult, method: Method, error: Difference) -> list[str]:
         _spread(analysis.ratio(own["efficiency"], base["efficiency"])) if base else "",
         percent(error.bias, error.bias_error, signed=True),
         percent(error.worst, error.worst_error, signed=True),
+        percent(around.bias, around.bias_error, signed=True),
         f"{max(own['rate']) / 1e6:.2f}",
         f"{own['peak'] / MIB:.0f}",
     ]
@@ -168,10 +174,10 @@ def _spread(spread: analysis.Spread | None) -> str:
 
 
 def _short(value: float) -> str:
-    """Return two significant digits, and no exponent."""
-    if not math.isfinite(value) or value == 0.0:
-        return f"{value:g}"
-    digits = 1 - math.floor(math.log10(abs(value)))
+    """Return two significant digits, and no exponent; beyond a million, and below its inverse, only that."""
+    if not 1e-6 < value < 1e6:
+        return "> 1,000,000" if value > 1.0 else "< 0.000001"
+    digits = 1 - math.floor(math.log10(value))
     return f"{round(value, digits):,.{max(digits, 0)}f}"
 
 

@@ -71,7 +71,8 @@ SCENES = (
     ),
     Scene(
         "skin", "Skin slab of 2 mm, light from behind", "slab", 40.0, "skin-pale", 0.3,
-        (Light((0.6, 1.9, -1.1), 0.35, 60.0),), (0.15, 0.15, 0.17), target=(0.0, 0.45, 0.0),
+        (Light((0.6, 1.9, -1.1), 0.35, 60.0),), (0.15, 0.15, 0.17),
+        eye=(0.35, 0.8, 2.3), target=(0.0, 0.48, 0.0),
     ),
 )  # fmt: skip
 

@@ -15,10 +15,11 @@ The *reference* is Nephrite's walk with exact exits, which tests compare with `v
 (picture - reference)² / (reference² + 0.01) over the object's pixels, less the reference's own variance. *Seconds to
 1 %*: until it falls to 0.01, noise and bias together: read off the curve; with ~ extrapolated beyond its end, where
 noise falls as 1 / time; with < the curve's first point; - where bias alone is more. *Noise alone*: the same if there
-were no bias. *Efficiency* is mean² / (variance x seconds): twice as much is half the time to the same noise. *Bias* and
-*worst block* (of 16 x 16 pixels) are relative errors of all pictures together; what is smaller than twice its standard
-error is given as < limit. Ratios are to `{base}`, round by round: geometric mean, and in brackets the least and the
-largest of the rounds; above 1 is better. *Memory* is the largest resident size of the process.
+were no bias. *Efficiency* is mean² / (variance x seconds): twice as much is half the time to the same noise. *Bias*
+and *worst block* (of 16 x 16 pixels) are relative errors of all pictures together; what is smaller than twice its
+standard error is given as < limit. *Around* is the bias of all other pixels: floor, sky and shadows. Ratios are to
+`{base}`, round by round: geometric mean, and in brackets the least and the largest of the rounds; above 1 is better.
+*Memory* is the largest resident size of the process.
 """
 
 FASTER = """
