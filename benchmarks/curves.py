@@ -54,12 +54,14 @@ def over_time(
             shown[method.title] = line[0]
         spot.axhline(GOAL, color=_SOFT, linewidth=0.8, linestyle=(0, (2, 2)))
         spot.set(xscale="log", yscale="log", xlabel="seconds for a picture")
-        spot.set_ylim(GOAL / 20, min(spot.get_ylim()[1], _MOST))
+        for axis in (spot.xaxis, spot.yaxis):
+            axis.set_minor_formatter("")
         spot.set_title(title, fontsize=10, loc="left", color=_INK)
         spot.grid(True, color=_GRID, linewidth=0.7)
         spot.tick_params(which="both", color=_SOFT, labelsize=8)
         for side in ("top", "right"):
             spot.spines[side].set_visible(False)
+    axes[0, 0].set_ylim(GOAL / 20, min(axes[0, 0].get_ylim()[1], _MOST))
     for row in axes:
         row[0].set_ylabel("relMSE")
     sheet.legend(shown.values(), shown.keys(), loc="lower center", ncols=4, fontsize=7.5, frameon=False)
@@ -80,12 +82,8 @@ def pictures(
     images += [means[method.name].mean.astype(np.float32) for method in shown]
     images.append(figure.heat_map(block_map(noisy, reference, mask), _LIMIT))
     images += [figure.heat_map(block_map(means[m.name], reference, mask), _LIMIT) for m in shown]
-    labels = [
-        "reference",
-        *(method.title for method in shown),
-        "its noise",
-        *("less reference" for _ in shown),
-    ]
+    titles = [method.title for method in shown]
+    labels = ["reference", *titles, "noise of the reference", *titles]
     means_of = [f"mean {100 * errors[method.name].bias:+.1f} %" for method in shown]
     worst = [f"worst block {100 * errors[method.name].worst:+.0f} %" for method in shown]
     sheet = figure.side_by_side(

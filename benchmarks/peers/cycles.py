@@ -17,7 +17,7 @@ from mathutils import Matrix, Vector
 
 from benchmarks.peers import measure, sky
 
-_SKY = (256, 128)
+_SKY = (1024, 512)
 
 
 def prepare(scene: dict[str, Any], method: dict[str, Any]) -> measure.Renderer:
@@ -144,6 +144,7 @@ def _world(blender: Any, given: dict[str, Any]) -> None:
     image.update()
     node = tree.nodes.new("ShaderNodeTexEnvironment")
     node.image = image
+    node.interpolation = "Closest"  # others mix the picture's two poles, and one of them is in view
     tree.links.new(node.outputs["Color"], background.inputs["Color"])
 
 
