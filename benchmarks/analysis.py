@@ -40,20 +40,21 @@ def level(a: NDArray, b: NDArray, seconds: float, truth: Truth) -> dict[str, flo
 
     `relmse`: against the truth, whose own noise is taken out; `noise`: the part of it that is variance, from the
     difference of the two. `floor`: the part that is bias, from the product of their errors, which are independent but
-    for it; 0 below three of its standard errors. `efficiency`: see `errors.efficiency`.
+    for it; 0 below three of its standard errors, and where these are too large to say. `efficiency`: see
+    `errors.efficiency`.
     """
     reference = truth.estimate.mean[truth.mask]
     scale = reference**2 + _EPSILON
     first, second = (np.asarray(picture, np.float64)[truth.mask] - reference for picture in (a, b))
     # both hold the reference's error: its square is taken out
     common = (first * second - truth.estimate.error[truth.mask] ** 2) / scale
-    floor = float(common.mean())
+    floor, uncertain = float(common.mean()), float(common.std()) / math.sqrt(common.size)
     both = [errors.relmse(picture, truth.estimate.mean, truth.mask, _EPSILON) for picture in (a, b)]
     return {
         "seconds": seconds,
         "relmse": max(sum(both) / 2 - truth.noise, 1e-9),
         "noise": float(np.mean((first - second) ** 2 / (2 * scale))),
-        "floor": floor if floor > _SURE * float(common.std()) / math.sqrt(common.size) else 0.0,
+        "floor": floor if floor > _SURE * uncertain and uncertain < GOAL else 0.0,
         "efficiency": errors.efficiency(a, b, seconds, truth.mask),
     }
 
@@ -96,6 +97,11 @@ def mean_of(rounds: Sequence[tuple[NDArray, NDArray]]) -> Estimate:
 def against_truth(estimate: Estimate, truth: Truth) -> Difference:
     """Return how far a picture is from the truth over the object's pixels, with its standard errors."""
     return difference(estimate, truth.estimate, truth.mask)
+
+
+def never(error: Difference, goal: float = GOAL) -> bool:
+    """Return whether bias alone, as blocks of pixels show it, is above `goal` for sure."""
+    return error.error - 2.0 * error.error_error > math.sqrt(goal)
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,8 @@ REFERENCE = {"type": "translucent_path", "model": "walk", "exit": "exact"}
 class Method:
     """A way to render: the module in benchmarks/peers, and what that is told.
 
-    `package`: what has to be installed in the peers' environment; empty for what runs in Nephrite's own.
+    `package`: what has to be installed in the peers' environment; empty for what runs in Nephrite's own. `once`:
+    whether one round is enough, as each takes minutes.
     """
 
     name: str
@@ -27,6 +28,7 @@ class Method:
     peer: str
     package: str = ""
     settings: dict[str, Any] = field(default_factory=dict)
+    once: bool = False
 
 
 def mitsuba(name: str, title: str, variant: str = "llvm_ad_rgb", **integrator: Any) -> Method:
@@ -61,7 +63,7 @@ def all_methods(gpu: bool) -> list[Method]:
     return [
         mitsuba("volpath", "Mitsuba volpath", type="volpath", **unlimited),
         mitsuba("volpathmis", "Mitsuba volpathmis", type="volpathmis", **unlimited),
-        Method("luxcore", "LuxCore path", "luxcore", "pyluxcore"),
+        Method("luxcore", "LuxCore path", "luxcore", "pyluxcore", once=True),
         Method("cycles", "Cycles random walk", "cycles", "bpy", {"subsurface": "RANDOM_WALK", **scaled}),
         Method("cycles-plain", "Cycles random walk, unscaled", "cycles", "bpy", {"subsurface": "RANDOM_WALK", **plain}),
         Method("burley", "Cycles Burley", "cycles", "bpy", {"subsurface": "BURLEY", **scaled}),

@@ -114,7 +114,7 @@ def _faster(result: SceneResult, name: str) -> str:
     if name not in result.runs or BASE not in result.runs:
         return ""
     own, base = (analysis.summary(result.numbers(n)) for n in (name, BASE))
-    if all(math.isinf(seconds) for seconds in own["goal"]):
+    if analysis.never(result.error(name)) or all(math.isinf(seconds) for seconds in own["goal"]):
         return "-"
     return _spread(analysis.ratio(base["quiet"], own["goal"]))
 
@@ -148,7 +148,7 @@ def _row(result: SceneResult, method: Method, error: Difference) -> list[str]:
     own = analysis.summary(result.numbers(method.name))
     base = analysis.summary(result.numbers(BASE)) if BASE in result.runs else None
     around = result.around(method.name)
-    finite = [seconds for seconds in own["goal"] if math.isfinite(seconds)]
+    finite = [s for s in own["goal"] if math.isfinite(s) and not analysis.never(error)]
     sign = "" if own["how"] == "=" else f"{own['how']} "
     return [
         method.title,
