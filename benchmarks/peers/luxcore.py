@@ -158,7 +158,7 @@ def _sky(built: Any, given: dict[str, Any]) -> dict[str, Any]:
         return {"scene.lights.sky.type": "constantinfinite", "scene.lights.sky.color": given["ambient"]}
     width, height = _SKY
     u, v = np.meshgrid((np.arange(width) + 0.5) / width, (np.arange(height) + 0.5) / height)
-    turn, polar = -2 * np.pi * u, np.pi * v  # the picture's pole is z
+    turn, polar = 2 * np.pi * u, np.pi * v  # the picture's pole is z
     directions = np.stack(
         [np.cos(turn) * np.sin(polar), np.sin(turn) * np.sin(polar), np.cos(polar)], axis=-1
     )
