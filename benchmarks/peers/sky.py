@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,14 +19,3 @@ def radiance(sky: dict[str, Any], directions: NDArray) -> NDArray[np.float32]:
         cosine = directions @ (axis / np.linalg.norm(axis))
         total += np.exp(lobe["sharpness"] * (cosine - 1.0))[..., None] * np.array(lobe["radiance"])
     return total.astype(np.float32)
-
-
-def write_hdr(path: Path, picture: NDArray) -> None:
-    """Write (height, width, 3) as a Radiance picture: 8 bits a channel and a common exponent."""
-    height, width, _ = picture.shape
-    largest = np.maximum(picture.max(axis=2), 1e-30)
-    exponent = np.floor(np.log2(largest)) + 1.0
-    scaled = np.clip(np.rint(picture * (256.0 / 2.0**exponent)[..., None]), 0, 255)
-    rows = np.concatenate([scaled, (exponent + 128.0)[..., None]], axis=2).astype(np.uint8)
-    head = f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n"
-    path.write_bytes(head.encode("ascii") + rows.tobytes())
