@@ -59,6 +59,7 @@ _PLACES = (
     ("dragon", 30.0),
     ("dragon", 10.0),
     ("dragon", 100.0),
+    ("dragon", 1000.0),
     ("slab", 30.0),
     ("sphere", 30.0),
     ("cube", 30.0),
