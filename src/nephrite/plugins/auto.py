@@ -17,7 +17,8 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
-from nephrite.plugins.media import JUMP, LOCAL, LOW, WALK
+from nephrite.plugins.layout import free_paths, spacing
+from nephrite.plugins.media import JUMP, LOCAL, LOW, TRANSPORT, WALK
 from nephrite.plugins.shapes import mean_chord
 
 CLEAR = 0.03
@@ -28,6 +29,12 @@ DENSE = 400.0
 
 LIGHT = 0.95
 """Reduced albedo, in the darkest channel, from which walks are long enough to be worth replacing."""
+
+THIN = 4.0
+"""Reduced optical thickness, in the densest channel, below which transport is left to walks: they are short there."""
+
+COARSE = 1.5
+"""Spacing of transport's nodes, in the longest mean free path, above which light is too sharp for them."""
 
 DIFFUSION = "tabulated"
 """The model that takes over there."""
@@ -49,6 +56,13 @@ def choose(model: str, media: Any, scene: Any, **details: Any) -> list[Choice]:
 
     `details`: what else `Media.set_models` needs to know of a diffusion model.
     """
+    if model == "transport":
+        chosen = [_precomputable(entry) for entry in media.entries]
+        media.set_models([WALK if reason else TRANSPORT for reason in chosen])
+        return [
+            Choice(entry.name, "walk" if reason else "transport", reason or "as asked for")
+            for entry, reason in zip(media.entries, chosen, strict=True)
+        ]
     if model != "auto":
         fixed = {"walk": WALK, "brdf": LOCAL}.get(model, JUMP)
         media.set_models([fixed] * len(media.entries), model, **details)
@@ -63,6 +77,23 @@ def choose(model: str, media: Any, scene: Any, **details: Any) -> list[Choice]:
     for choice in choices:
         log(mi.LogLevel.Info, f"auto: {choice.name}: {choice.model}: {choice.reason}")
     return choices
+
+
+def _precomputable(entry: Any) -> str:
+    """Return why transport can't be precomputed for a material, or nothing."""
+    if mi.is_spectral:
+        return "wavelengths are no channels"
+    if entry.least_reach > 0:
+        return "an instance, which is one shape in many places"
+    if entry.varies or entry.emits or entry.surface is not None:
+        return "textures, emission or a rough surface"
+    longest = float(free_paths(entry).max())
+    if max(spacing(entry, shape) for shape in entry.shapes) > COARSE * longest:
+        return f"a mean free path of {longest:.2g} is too short for its size"
+    thickness = max(mean_chord(shape) for shape in entry.shapes) / float(free_paths(entry).min())
+    if thickness < THIN:
+        return f"{thickness:.2g} reduced mean free paths across"
+    return ""
 
 
 def _choose(entry: Any) -> tuple[int, str]:

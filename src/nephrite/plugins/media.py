@@ -29,7 +29,7 @@ from nephrite.plugins.shapes import surface_points
 from nephrite.plugins.winding import Winding
 from nephrite.profiles.measured import MeasuredProfile
 
-WALK, JUMP, LOCAL, LOW = range(4)
+WALK, JUMP, LOCAL, LOW, TRANSPORT = range(5)
 """What is computed under a surface."""
 
 _PHASES = ("isotropic", "hg")
@@ -145,7 +145,7 @@ class Media:
         profiles: tuple[MeasuredProfile, ...] = (),
         thickness: float = math.inf,
     ) -> None:
-        """Set what is computed under each material's surface: `WALK`, `JUMP`, `LOCAL` or `LOW`.
+        """Set what is computed under each material's surface: `WALK`, `JUMP`, `LOCAL`, `LOW` or `TRANSPORT`.
 
         `diffusion`: the model whose kernel jumps follow: of `nephrite.profiles.models`, a directional one, or measured.
         `profiles`: of `measured`; `thickness`: of `multipole`, in mm.
@@ -153,7 +153,9 @@ class Media:
         self.models = models
         self._model = mi.UInt32([WALK, *models])
         dr.eval(self._model)
-        self.any_jump, self.any_local, self.any_low = JUMP in models, LOCAL in models, LOW in models
+        self.any_jump, self.any_local = JUMP in models, LOCAL in models
+        self.any_low = LOW in models or TRANSPORT in models
+        self.transport: Any = None
         self.diffusion = diffusion
         by_direction = diffusion in directional.MODELS
         self.directional: Any = Directional(self.entries, diffusion) if by_direction else None
@@ -178,7 +180,18 @@ class Media:
 
     def low(self, number: Any) -> Any:
         """Whether walks end at their second event."""
-        return dr.gather(mi.UInt32, self._model, number) == LOW
+        model = dr.gather(mi.UInt32, self._model, number)
+        return (model == LOW) | (model == TRANSPORT)
+
+    def transported(self, s: Any, number: Any, si: Any, normal: Any, direction: Any, active: Any) -> Any:
+        """Return the multiple scattering, where it is precomputed, of paths that enter at `si`.
+
+        `normal`: outward; `direction`: where the path came from.
+        """
+        if self.transport is None or not s.multiple:
+            return mi.Spectrum(0.0)
+        active = active & (dr.gather(mi.UInt32, self._model, number) == TRANSPORT)
+        return dr.select(active, self.transport.radiance(si, normal, direction, active), 0)
 
     @staticmethod
     def of(scene: Any) -> Media:

@@ -341,6 +341,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                     g = media.lookup(media.g, within)
                     if dr.hint(media.any_emission, mode="scalar"):
                         emitted = media.emitted(within, si, enters | bounced)
+                    L += β * media.transported(s, number, si, outward, -ray.d, enters)
                     entered = dr.max(β)
                     started += entered
                     channel, β, ratio = channels.lead(β, sampler.next_1d())

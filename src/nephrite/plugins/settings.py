@@ -11,7 +11,7 @@ from nephrite.errors import ParameterError, unknown_name
 from nephrite.plugins import directional
 from nephrite.profiles import measured, models
 
-MODELS = ("walk", "brdf", "auto", *models.MODELS, *directional.MODELS, "measured")
+MODELS = ("walk", "transport", "brdf", "auto", *models.MODELS, *directional.MODELS, "measured")
 DETAILS = {"profile": "measured", "thickness": "multipole"}
 """Parameters that belong to one model alone."""
 EXITS = ("lobe", "exact")
@@ -27,7 +27,7 @@ class Settings:
 
     def __init__(
         self, model: str, exit: str, terms: tuple[str, ...], max_depth: int, rr_depth: int, max_steps: int,
-        hide_emitters: bool, profiles: tuple[measured.MeasuredProfile, ...], thickness: float,
+        hide_emitters: bool, profiles: tuple[measured.MeasuredProfile, ...], thickness: float, walks: int,
     ) -> None:  # fmt: skip
         """Hold checked values."""
         self.model, self.exit = model, exit
@@ -35,6 +35,7 @@ class Settings:
         self.max_depth, self.rr_depth, self.max_steps = max_depth, rr_depth, max_steps
         self.hide_emitters = hide_emitters
         self.profiles, self.thickness = profiles, thickness
+        self.walks = walks
 
     @property
     def terms(self) -> str:
@@ -68,6 +69,9 @@ def read(props: Any) -> Settings:
         hide_emitters=bool(props.get("hide_emitters", False)),
         profiles=() if profile is None else _profiles(str(profile)),
         thickness=math.inf if thickness is None else float(thickness),
+        walks=_count(
+            props, "walks", 3_000_000, 1, "the number of walks per object that transport is made of"
+        ),
     )
 
 

@@ -10,6 +10,7 @@ import mitsuba as mi
 from nephrite.errors import VariantError
 from nephrite.plugins import auto, camera, path, settings
 from nephrite.plugins.balance import balance, fingerprint
+from nephrite.plugins.kept import Kept
 from nephrite.plugins.media import Media
 
 
@@ -22,15 +23,19 @@ class TranslucentPath(mi.SamplingIntegrator):
 
      * - model
        - |string|
-       - What happens under a translucent surface: ``walk`` (volumetric random walk), ``dipole`` (diffusion from the
-         second scattering event on), ``brdf`` (light leaves where it entered), or ``auto`` (chosen for each object by
-         its optical thickness and albedo; the choice is logged). (Default: walk)
+       - What happens under a translucent surface: ``walk`` (volumetric random walk), ``transport`` (the same,
+         precomputed from the second scattering event on), ``dipole`` (diffusion from there on), ``brdf`` (light
+         leaves where it entered), or ``auto`` (chosen for each object by its optical thickness and albedo; the choice
+         is logged). (Default: walk)
      * - profile
        - |string|
        - For ``measured``: a CSV file of r in mm and R in 1/mm^2, one column or three for red, green and blue.
      * - thickness
        - |float|
        - For ``multipole``: thickness of the plate or sheet in mm; see the BSDF's ``unit``. (Default: without end)
+     * - walks
+       - |int|
+       - For ``transport``: walks per object that it is precomputed from. (Default: 3000000)
      * - terms
        - |string|
        - ``all``, or a sum of ``reduced``, ``single`` and ``multiple``: the paths that scatter in media never,
@@ -75,6 +80,7 @@ class TranslucentPath(mi.SamplingIntegrator):
         self.choices: list[auto.Choice] = []
         self.cut_fraction = 0.0
         self._balance: tuple[Any, Any] | None = None
+        self._kept = Kept()
 
     def sample(
         self, scene: Any, sampler: Any, ray: Any, medium: Any = None, active: Any = True
@@ -114,6 +120,8 @@ class TranslucentPath(mi.SamplingIntegrator):
                 balance(media, scene)
                 self._balance = (key, media.balance)
             media.balance = self._balance[1]
+        with dr.suspend_grad():
+            self.choices = self._kept.prepare(s, scene, media, self.choices)
         return media
 
     def _report(self, result: path.Result) -> None:

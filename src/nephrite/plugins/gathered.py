@@ -1,0 +1,67 @@
+"""Light that arrives at points of translucent surfaces from outside: its mean under their exit lobe.
+
+Connections to lights bring what comes straight from there; paths, whose first segment sees no lights, bring what
+surfaces send.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+
+from nephrite.bssrdf import lobe
+from nephrite.plugins import path
+
+_STEPS = (0.7548776662466927, 0.5698402909980532)  # R2 sequence (Roberts 2018)
+
+
+def direct(scene: Any, at: Any, eta: Any, normalization: Any, count: int) -> list[Any]:
+    """Return what `count` connections to lights bring to every point of `at`: see `_arrived`.
+
+    Each point follows the same sequence of low discrepancy, shifted at random.
+    """
+    width = dr.width(at.p)
+    sampler = mi.load_dict({"type": "independent"})
+    sampler.seed(0, width)
+    shift = sampler.next_2d()
+    lane = dr.arange(mi.UInt32, width * count)
+    node, turn = lane // count, mi.Float(lane % count)
+    moved = mi.Point2f(*(dr.gather(mi.Float, a, node) + turn * b for a, b in zip(shift, _STEPS, strict=True)))
+    here = dr.gather(type(at), at, node)
+    ds, light = scene.sample_emitter_direction(here, moved - dr.floor(moved), True, mi.Bool(True))
+    cosine = dr.dot(ds.d, here.n)
+    fresnel: Any = mi.fresnel
+    reflected = fresnel(dr.maximum(cosine, 0), dr.gather(mi.Float, eta, node))[0]
+    value = lobe.pdf(cosine, reflected, dr.gather(mi.Float, normalization, node)) * light
+    return _arrived(dr.select(ds.pdf > 0, value, 0), ds.d, here.n, node, width, count)
+
+
+def indirect(s: Any, scene: Any, media: Any, at: Any, eta: Any, normalization: Any, count: int) -> list[Any]:
+    """Return what `count` paths from every point of `at` find that no connection does; `s` hides the emitters."""
+    width = dr.width(at.p)
+    node = dr.arange(mi.UInt32, width * count) // count
+    sampler = mi.load_dict({"type": "independent"})
+    sampler.seed(1, width * count)
+    here = dr.gather(type(at), at, node)
+    local = mi.warp.square_to_cosine_hemisphere(sampler.next_2d())
+    ray = here.spawn_ray(mi.Frame3f(here.n).to_world(local))
+    fresnel: Any = mi.fresnel
+    reflected = fresnel(local.z, dr.gather(mi.Float, eta, node))[0]
+    weight = (1 - reflected) / dr.gather(mi.Float, normalization, node)
+    found = path.trace(s, scene, media, sampler, path.OneRay(ray, True)).L
+    value = weight * dr.select(dr.all(dr.isfinite(found)), found, 0)
+    return _arrived(value, ray.d, here.n, node, width, count)
+
+
+def _arrived(values: Any, direction: Any, normal: Any, node: Any, width: int, count: int) -> list[Any]:
+    """Return the means of `values`, and of their products with the tangential directions."""
+    tangential = direction - normal * dr.dot(direction, normal)
+    sums = []
+    for factor in (mi.Float(1), *tangential):
+        total = dr.zeros(mi.Spectrum, width)
+        dr.scatter_add(total, values * factor / count, node)
+        sums.append(total)
+    dr.eval(sums)
+    return sums

@@ -1,0 +1,82 @@
+"""Keeps precomputed transport between renders: T while the objects stay what they are, V while nothing else changes."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import replace
+from typing import Any
+
+import mitsuba as mi
+import numpy as np
+
+from nephrite.plugins.auto import Choice
+from nephrite.plugins.balance import fingerprint
+from nephrite.plugins.media import TRANSPORT, WALK, Media
+from nephrite.plugins.transport import Transport
+
+LOST = 0.01  # of the light that enters a shape: what other objects in it may take
+
+
+class Kept:
+    """The transport of the scene that was rendered last."""
+
+    def __init__(self) -> None:
+        """Begin with none."""
+        self._transport: Transport | None = None
+        self._objects: Any = None
+        self._lights: Any = None
+
+    def prepare(self, settings: Any, scene: Any, media: Media, choices: list[Choice]) -> list[Choice]:
+        """Give `media` its transport, found anew where something has changed; return what is computed in the end.
+
+        Walks are left to objects that have others inside, where light ends that transport knows nothing of.
+        """
+        members = [
+            (number, entry, shape)
+            for number, (entry, model) in enumerate(zip(media.entries, media.models, strict=True))
+            if model == TRANSPORT
+            for shape in entry.shapes
+        ]
+        if not members or not settings.multiple:
+            return choices
+        objects = (settings.walks, fingerprint(media))
+        if self._transport is None or self._objects != objects:
+            self._transport = Transport(
+                scene, [(entry, shape) for _, entry, shape in members], settings.walks
+            )
+            self._objects, self._lights = objects, None
+        transport = self._transport
+        transport.attach([shape for _, _, shape in members])
+        blocked = {
+            number
+            for (number, _, _), surface in zip(members, transport.surfaces, strict=True)
+            if surface.lost > LOST
+        }
+        if blocked:
+            models = [WALK if n in blocked else model for n, model in enumerate(media.models)]
+            media.set_models(models)
+            reason = "another object lies inside"
+            choices = [
+                replace(choice, model="walk", reason=reason) if n in blocked else choice
+                for n, choice in enumerate(choices)
+            ]
+        media.transport = transport
+        lights = (settings.max_depth, settings.exit, _digest(scene))
+        if self._lights != lights:
+            transport.relight(settings, scene, media)
+            self._lights = lights
+        return choices
+
+
+def _digest(scene: Any) -> str:
+    """Return a hash of all that can be changed in a scene, but its sensors."""
+    sensors = tuple(f"{sensor.id()}." for sensor in scene.sensors())
+    values = {str(name): value for name, value in mi.traverse(scene)}
+    found = hashlib.blake2b()
+    for name in sorted(values):
+        if not name.startswith(sensors):
+            value: Any = values[name]
+            value = getattr(value, "matrix", value)
+            found.update(name.encode())
+            found.update(np.ascontiguousarray(np.array(value)).tobytes())
+    return found.hexdigest()

@@ -1,0 +1,53 @@
+"""Nodes: points spread evenly over a surface, and which of them are neighbours on the same side of it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.spatial import cKDTree
+
+DENSITY = 0.7
+"""Nodes per squared spacing that `spread` leaves, about."""
+
+
+def spread(points: NDArray, normals: NDArray, spacing: float, seed: int = 0) -> NDArray[np.int64]:
+    """Return indices of `points`, [n, 3], no two of which are closer than `spacing`; none more could be added.
+
+    A maximal independent set, found in rounds (Luby 1986): a point stays if its random priority is the highest among
+    its neighbours'. Points whose normals face away from each other, as on both sides of a leaf, are no neighbours.
+    """
+    pairs = cKDTree(points).query_pairs(spacing, output_type="ndarray")
+    pairs = pairs[np.einsum("ij,ij->i", normals[pairs[:, 0]], normals[pairs[:, 1]]) > 0]
+    priority = np.random.default_rng(seed).permutation(len(points))
+    kept = np.zeros(len(points), bool)
+    undecided = np.ones(len(points), bool)
+    while undecided.any():
+        a, b = pairs.T
+        beaten = np.zeros(len(points), bool)
+        first = priority[a] > priority[b]
+        beaten[np.where(first, b, a)] = True
+        chosen = undecided & ~beaten
+        kept |= chosen
+        undecided &= ~chosen
+        undecided[b[chosen[a]]] = undecided[a[chosen[b]]] = False
+        pairs = pairs[undecided[a] & undecided[b]]
+    return np.flatnonzero(kept)
+
+
+def smoothing(points: NDArray, normals: NDArray, width: float) -> sparse.csr_matrix:
+    """Return the matrix that averages over neighbours by a Gaussian of standard deviation `width`; rows add up to 1.
+
+    Neighbours count by the cosine between the normals, those that face away not at all.
+    """
+    pairs = cKDTree(points).query_pairs(2.5 * width, output_type="ndarray")
+    a, b = pairs.T
+    apart = points[a] - points[b]
+    weight = np.exp(-0.5 * np.einsum("ij,ij->i", apart, apart) / width**2)
+    weight *= np.maximum(np.einsum("ij,ij->i", normals[a], normals[b]), 0.0)
+    own = np.arange(len(points))
+    entries = np.concatenate([weight, weight, np.ones(len(points))])
+    index = np.concatenate([a, b, own]), np.concatenate([b, a, own])
+    matrix = sparse.csr_matrix((entries.astype(np.float32), index), shape=(len(points),) * 2)
+    total = np.asarray(matrix.sum(axis=1)).ravel()
+    return sparse.csr_matrix(sparse.diags(1.0 / total) @ matrix).astype(np.float32)

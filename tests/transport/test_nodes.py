@@ -1,0 +1,46 @@
+"""Nodes are spread evenly, and averages over neighbours stay on their side of a thin part."""
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from nephrite.transport.nodes import DENSITY, smoothing, spread
+
+SPACING = 0.1
+
+
+def _leaf(count=20_000):
+    """Return points on both sides of a leaf, a hundredth of the spacing thick, and their normals."""
+    rng = np.random.default_rng(3)
+    side = np.where(np.arange(count) % 2, 1.0, -1.0)
+    points = np.column_stack([rng.uniform(-1, 1, (count, 2)), 0.0005 * side])
+    return points, np.column_stack([np.zeros((count, 2)), side])
+
+
+def test_nodes_keep_their_distance_and_leave_no_gap():
+    points, normals = _leaf()
+    kept = spread(points, normals, SPACING)
+    for side in (-1.0, 1.0):
+        nodes, all_points = points[kept][normals[kept, 2] == side], points[normals[:, 2] == side]
+        tree = cKDTree(nodes)
+        assert tree.query(nodes, k=2)[0][:, 1].min() > SPACING
+        assert tree.query(all_points)[0].max() <= SPACING
+        assert len(nodes) / 4.0 * SPACING**2 == pytest.approx(DENSITY, rel=0.15)
+
+
+def test_averages_keep_to_their_side():
+    points, normals = _leaf()
+    kept = spread(points, normals, SPACING)
+    matrix = smoothing(points[kept], normals[kept], SPACING)
+    assert np.asarray(matrix.sum(axis=1)).ravel() == pytest.approx(1.0, abs=1e-5)
+    side = normals[kept, 2]
+    assert matrix @ side == pytest.approx(side, abs=1e-5)
+
+
+def test_an_average_is_as_wide_as_asked_for():
+    points, normals = _leaf()
+    kept = spread(points, normals, SPACING)
+    middle = np.flatnonzero(np.abs(points[kept]).max(1) < 0.5)
+    weights = smoothing(points[kept], normals[kept], 1.5 * SPACING)[middle].toarray()
+    apart = points[kept][None, :, 0] - points[kept][middle][:, None, 0]
+    assert np.sqrt((weights * apart**2).sum(1).mean()) == pytest.approx(1.5 * SPACING, rel=0.1)
