@@ -24,6 +24,7 @@ METHODS: dict[str, dict[str, Any]] = {
     "volpathmis": {"type": "volpathmis", "max_depth": -1, "rr_depth": 1000},
     "walk, exact exit": {"type": "translucent_path", "model": "walk", "exit": "exact"},
     "walk, lobe exit": {"type": "translucent_path", "model": "walk", "exit": "lobe"},
+    "transport": {"type": "translucent_path", "model": "transport"},
     "dipole": {"type": "translucent_path", "model": "dipole"},
     "tabulated": {"type": "translucent_path", "model": "tabulated"},
     "brdf": {"type": "translucent_path", "model": "brdf"},

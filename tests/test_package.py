@@ -14,7 +14,8 @@ from nephrite import llvm
 
 SOURCE = Path(nephrite.__file__).parent
 LAYERS = [
-    {"errors"}, {"llvm"}, {"geometry"}, {"physics"}, {"materials"}, {"profiles"}, {"bssrdf"}, {"plugins"}, {"scene"},
+    {"errors"}, {"llvm"}, {"geometry"}, {"physics"}, {"materials"}, {"profiles"}, {"bssrdf"}, {"transport"},
+    {"plugins"}, {"scene"},
     {"image"}, {"rendering"}, {"atlas"}, {"cli"},
 ]  # fmt: skip
 RANK = {name: rank for rank, layer in enumerate(LAYERS) for name in layer}

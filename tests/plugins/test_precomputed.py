@@ -33,9 +33,9 @@ def test_nothing_is_lost_in_even_light():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("trial", [scenes.TRIALS[i] for i in (0, 1, 2, 4)], ids=lambda trial: trial.name)
+@pytest.mark.parametrize("trial", [scenes.TRIALS[i] for i in (0, 1, 4)], ids=lambda trial: trial.name)
 def test_pictures_are_the_walks(trial):
-    """Within 2 % in the mean and 5 % in blocks of 4 x 4, with 3 million walks: curved, with edges, thin, g of .8."""
+    """Within 2 % in the mean and 5 % in blocks of 4 x 4, with 3 million walks: curved, with edges, g of .8."""
     scene = mi.load_dict(scenes.trial(trial))
     walk = measure.passes(scene, scenes.ours(), 512, 8, 100)
     own = measure.passes(scene, scenes.ours(model="transport"), 512, 4, 900)
@@ -83,9 +83,7 @@ def test_walks_take_over_where_transport_does_not_hold():
     sky = {"sky": scenes.environment(1.0)}
     assert _choices(_ball() | sky) == ["transport"]
     assert _choices(_ball(alpha=0.2) | sky) == ["walk"]
-    thin = _ball() | sky
-    thin["ball"] |= scenes.translucent(0.0, 0.1)
-    assert _choices(thin) == ["walk"]
+    assert _choices(scenes.trial(scenes.TRIALS[2])) == ["walk"]  # a thin slab
     dense = _ball() | sky
     dense["ball"] |= scenes.translucent(0.0, 1000.0)
     dense["ball"]["radius"] = 90.0

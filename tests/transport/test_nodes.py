@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from nephrite.transport.nodes import DENSITY, smoothing, spread
 
@@ -22,7 +22,7 @@ def test_nodes_keep_their_distance_and_leave_no_gap():
     kept = spread(points, normals, SPACING)
     for side in (-1.0, 1.0):
         nodes, all_points = points[kept][normals[kept, 2] == side], points[normals[:, 2] == side]
-        tree = cKDTree(nodes)
+        tree = KDTree(nodes)
         assert tree.query(nodes, k=2)[0][:, 1].min() > SPACING
         assert tree.query(all_points)[0].max() <= SPACING
         assert len(nodes) / 4.0 * SPACING**2 == pytest.approx(DENSITY, rel=0.15)

@@ -31,7 +31,7 @@ LIGHT = 0.95
 """Reduced albedo, in the darkest channel, from which walks are long enough to be worth replacing."""
 
 THIN = 4.0
-"""Reduced optical thickness, in the densest channel, below which transport is left to walks: they are short there."""
+"""Reduced optical thickness, in the clearest channel, below which transport is left to walks: they are short there."""
 
 COARSE = 1.5
 """Spacing of transport's nodes, in the longest mean free path, above which light is too sharp for them."""
@@ -90,7 +90,7 @@ def _precomputable(entry: Any) -> str:
     longest = float(free_paths(entry).max())
     if max(spacing(entry, shape) for shape in entry.shapes) > COARSE * longest:
         return f"a mean free path of {longest:.2g} is too short for its size"
-    thickness = max(mean_chord(shape) for shape in entry.shapes) / float(free_paths(entry).min())
+    thickness = min(mean_chord(shape) for shape in entry.shapes) / longest
     if thickness < THIN:
         return f"{thickness:.2g} reduced mean free paths across"
     return ""

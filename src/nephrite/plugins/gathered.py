@@ -11,15 +11,15 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 
-from nephrite.bssrdf import lobe
 from nephrite.plugins import path
 
 _STEPS = (0.7548776662466927, 0.5698402909980532)  # R2 sequence (Roberts 2018)
 
 
-def direct(scene: Any, at: Any, eta: Any, normalization: Any, count: int) -> list[Any]:
+def direct(scene: Any, at: Any, sensitivity: Any, count: int) -> list[Any]:
     """Return what `count` connections to lights bring to every point of `at`: see `_arrived`.
 
+    `sensitivity(i, cosine)`: how much light at that angle counts at point i, a density over the projected solid angle.
     Each point follows the same sequence of low discrepancy, shifted at random.
     """
     width = dr.width(at.p)
@@ -31,14 +31,12 @@ def direct(scene: Any, at: Any, eta: Any, normalization: Any, count: int) -> lis
     moved = mi.Point2f(*(dr.gather(mi.Float, a, node) + turn * b for a, b in zip(shift, _STEPS, strict=True)))
     here = dr.gather(type(at), at, node)
     ds, light = scene.sample_emitter_direction(here, moved - dr.floor(moved), True, mi.Bool(True))
-    cosine = dr.dot(ds.d, here.n)
-    fresnel: Any = mi.fresnel
-    reflected = fresnel(dr.maximum(cosine, 0), dr.gather(mi.Float, eta, node))[0]
-    value = lobe.pdf(cosine, reflected, dr.gather(mi.Float, normalization, node)) * light
-    return _arrived(dr.select(ds.pdf > 0, value, 0), ds.d, here.n, node, width, count)
+    cosine = dr.maximum(dr.dot(ds.d, here.n), 0)
+    value = dr.select((ds.pdf > 0) & (cosine > 0), sensitivity(node, cosine) * cosine * light, 0)
+    return _arrived(value, ds.d, here.n, node, width, count)
 
 
-def indirect(s: Any, scene: Any, media: Any, at: Any, eta: Any, normalization: Any, count: int) -> list[Any]:
+def indirect(s: Any, scene: Any, media: Any, at: Any, sensitivity: Any, count: int) -> list[Any]:
     """Return what `count` paths from every point of `at` find that no connection does; `s` hides the emitters."""
     width = dr.width(at.p)
     node = dr.arange(mi.UInt32, width * count) // count
@@ -47,12 +45,9 @@ def indirect(s: Any, scene: Any, media: Any, at: Any, eta: Any, normalization: A
     here = dr.gather(type(at), at, node)
     local = mi.warp.square_to_cosine_hemisphere(sampler.next_2d())
     ray = here.spawn_ray(mi.Frame3f(here.n).to_world(local))
-    fresnel: Any = mi.fresnel
-    reflected = fresnel(local.z, dr.gather(mi.Float, eta, node))[0]
-    weight = (1 - reflected) / dr.gather(mi.Float, normalization, node)
     found = path.trace(s, scene, media, sampler, path.OneRay(ray, True)).L
-    value = weight * dr.select(dr.all(dr.isfinite(found)), found, 0)
-    return _arrived(value, ray.d, here.n, node, width, count)
+    found = dr.select(dr.all(dr.isfinite(found)), found, 0)
+    return _arrived(dr.pi * sensitivity(node, local.z) * found, ray.d, here.n, node, width, count)
 
 
 def _arrived(values: Any, direction: Any, normal: Any, node: Any, width: int, count: int) -> list[Any]:

@@ -46,7 +46,7 @@ def at_nodes(points: NDArray, normals: NDArray) -> Any:
     """Return surface interactions at nodes."""
     si: Any = dr.zeros(mi.SurfaceInteraction3f, len(points))
     si.p, si.n = mi.Point3f(points.T), mi.Normal3f(normals.T)
-    si.sh_frame = mi.Frame3f(si.n)
+    si.sh_frame = mi.Frame3f(mi.Vector3f(si.n))
     return si
 
 

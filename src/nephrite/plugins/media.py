@@ -116,7 +116,7 @@ class Media:
     def __init__(self, entries: list[Entry]) -> None:
         """Build the tables that the lookups gather from; `entries` are numbered from 1."""
         self.entries = entries
-        ids = [[_identity(shape) for shape in entry.shapes] for entry in entries]
+        ids = [[identity(shape) for shape in entry.shapes] for entry in entries]
         size = 1 + max((i for row in ids for i in row), default=0)
         table = np.zeros(size, dtype=np.uint32)
         for number, row in enumerate(ids, start=1):
@@ -289,7 +289,8 @@ def _column(values: list[float], first: float) -> Any:
     return column
 
 
-def _identity(shape: Any) -> int:
+def identity(shape: Any) -> int:
+    """Return the number by which Mitsuba knows a shape."""
     index: Any = dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))
     return int(index[0])
 

@@ -68,12 +68,15 @@ class Nearby:
         return found
 
     @dr.syntax
-    def mean(self, which: Any, p: Any, n: Any, table: Any, active: Any) -> Any:
+    def mean(self, which: Any, p: Any, n: Any, table: Any, active: Any) -> tuple[Any, Any, Any, Any]:
         """Return the mean of a `table` of four vectors a node, over the nodes near `p`; it is smooth in `p`."""
         place, layout, cell = self._cell(which, p, active)
         row, at, end = mi.Int32(0), mi.UInt32(0), mi.UInt32(0)
         total = mi.Float(0)
-        a, b, c, d = mi.Vector3f(0), mi.Vector3f(0), mi.Vector3f(0), mi.Vector3f(0)
+        a: Any = mi.Vector3f(0)
+        b: Any = mi.Vector3f(0)
+        c: Any = mi.Vector3f(0)
+        d: Any = mi.Vector3f(0)
         going = mi.Bool(active)
         while going:
             if at < end:
@@ -94,8 +97,8 @@ class Nearby:
         return a * scale, b * scale, c * scale, d * scale
 
     def _cell(self, which: Any, p: Any, active: Any) -> tuple[Any, Any, Any]:
-        place = dr.gather(mi.Vector4f, self._place, which, active)
-        layout = dr.gather(mi.Vector4i, self._layout, which, active)
+        place: Any = dr.gather(mi.Vector4f, self._place, which, active)
+        layout: Any = dr.gather(mi.Vector4i, self._layout, which, active)
         cell = mi.Vector3i(dr.floor((mi.Vector3f(p) - place.xyz) / place.w))
         return place, layout, dr.clip(cell, 1, layout.xyz - 2)
 

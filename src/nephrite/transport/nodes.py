@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 DENSITY = 0.7
 """Nodes per squared spacing that `spread` leaves, about."""
+
+_BALANCING = 30  # rounds of scaling; errors are below 1e-5 then
 
 
 def spread(points: NDArray, normals: NDArray, spacing: float, seed: int = 0) -> NDArray[np.int64]:
@@ -17,7 +21,7 @@ def spread(points: NDArray, normals: NDArray, spacing: float, seed: int = 0) -> 
     A maximal independent set, found in rounds (Luby 1986): a point stays if its random priority is the highest among
     its neighbours'. Points whose normals face away from each other, as on both sides of a leaf, are no neighbours.
     """
-    pairs = cKDTree(points).query_pairs(spacing, output_type="ndarray")
+    pairs = KDTree(points).query_pairs(spacing, output_type="ndarray")
     pairs = pairs[np.einsum("ij,ij->i", normals[pairs[:, 0]], normals[pairs[:, 1]]) > 0]
     priority = np.random.default_rng(seed).permutation(len(points))
     kept = np.zeros(len(points), bool)
@@ -35,12 +39,13 @@ def spread(points: NDArray, normals: NDArray, spacing: float, seed: int = 0) -> 
     return np.flatnonzero(kept)
 
 
-def smoothing(points: NDArray, normals: NDArray, width: float) -> sparse.csr_matrix:
-    """Return the matrix that averages over neighbours by a Gaussian of standard deviation `width`; rows add up to 1.
+def smoothing(points: NDArray, normals: NDArray, width: float) -> Any:
+    """Return the matrix that averages over neighbours by a Gaussian of standard deviation `width`.
 
+    Rows and columns add up to 1 (symmetric Sinkhorn scaling): what is even stays even, and no light is made or lost.
     Neighbours count by the cosine between the normals, those that face away not at all.
     """
-    pairs = cKDTree(points).query_pairs(2.5 * width, output_type="ndarray")
+    pairs = KDTree(points).query_pairs(2.5 * width, output_type="ndarray")
     a, b = pairs.T
     apart = points[a] - points[b]
     weight = np.exp(-0.5 * np.einsum("ij,ij->i", apart, apart) / width**2)
@@ -49,5 +54,8 @@ def smoothing(points: NDArray, normals: NDArray, width: float) -> sparse.csr_mat
     entries = np.concatenate([weight, weight, np.ones(len(points))])
     index = np.concatenate([a, b, own]), np.concatenate([b, a, own])
     matrix = sparse.csr_matrix((entries.astype(np.float32), index), shape=(len(points),) * 2)
-    total = np.asarray(matrix.sum(axis=1)).ravel()
-    return sparse.csr_matrix(sparse.diags(1.0 / total) @ matrix).astype(np.float32)
+    scale = np.ones(len(points))
+    for _ in range(_BALANCING):
+        scale = np.sqrt(scale / (matrix @ scale))
+    scaled = sparse.diags(scale) @ matrix @ sparse.diags(scale)
+    return sparse.csr_matrix(scaled).astype(np.float32)
