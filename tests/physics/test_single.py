@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from nephrite.image.errors import z_limit
-from nephrite.physics import searchlight
-from nephrite.physics.single import single_scattering_share, slab_shares
+from nephrite.physics import fresnel, searchlight
+from nephrite.physics.single import deep_share, single_scattering_share, slab_shares
 
 
 @pytest.mark.parametrize(("g", "thickness"), [(0.0, 0.1), (0.0, 2.0), (0.8, 1.0), (-0.5, 0.5)])
@@ -42,3 +42,14 @@ def test_limits():
     assert far == 0.0
     assert sum(slab_shares(0.6, 1.0, 1e-6)) == pytest.approx(1.0, abs=1e-3)  # all of it leaves a film
     assert np.diff(slab_shares(0.0, 1.3, 1e-6)) == pytest.approx(0.0, abs=1e-5)  # which has no sides
+
+
+@pytest.mark.parametrize("g", [0.0, 0.8])
+def test_steep_light_goes_deeper_and_the_mean_is_one(g):
+    """The mean is that over diffuse light, of which 1 - F gets in."""
+    cosine = (np.arange(2000) + 0.5) / 2000
+    entering = cosine * (1.0 - fresnel.reflectance(cosine, 1.4))
+    share = deep_share(cosine, g, 1.4)
+    assert (entering * share).sum() / entering.sum() == pytest.approx(1.0, abs=1e-5)
+    assert (np.diff(share) > 0).all()
+    assert share[-1] > 1.0 > share[0]
