@@ -3,7 +3,8 @@
     .venv/bin/python benchmarks/efficiency.py [--spp 16] [--repeat 2]
 
 Efficiency = mean^2 / (variance * seconds) over the pixels of the dragon's body; variance from two renders with other
-seeds, seconds of the whole render call after a warm-up. Ratios only mean something between rows of one run.
+seeds, seconds of the whole render call after a warm-up, in which `transport` makes its walks: they
+are not counted. Ratios only mean something between rows of one run.
 """
 
 from __future__ import annotations
