@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
+
 import pytest
 
 from nephrite.atlas import choice
+from nephrite.plugins import auto
 
 
 def row(method, thickness, albedo, error, efficiency, noise=0.001):
@@ -65,3 +69,13 @@ def test_noise_is_not_held_against_a_model_and_noisy_channels_say_nothing():
     assert choice.rule(noisy) is not None
     blind = [dict(one, channels_error=(0.3,) * 3) for one in rows(lambda t, a: 0.0)]
     assert choice.advice(blind) == []
+
+
+def test_auto_follows_the_published_atlas():
+    """Its thresholds are the rule's, rounded up to where nothing was measured between."""
+    published = Path(__file__).parents[2] / "docs" / "figures" / "atlas" / "atlas.json"
+    found = json.loads(published.read_text(encoding="utf-8"))["rules"]
+    (final,) = [one for one in found if one["limit"] == choice.FINAL]
+    assert final["model"] == auto.DIFFUSION
+    assert final["thickness"] <= auto.DENSE < 1.02 * final["thickness"]
+    assert abs(final["albedo"] - auto.LIGHT) < 0.001

@@ -4,8 +4,8 @@ The paper skips multiple scattering where a medium is nearly clear. In the same 
 optical thickness: the mean chord of its shape, 4 V / S (Cauchy), times its coefficients.
 
 - Nearly clear: fewer than one path in two thousand scatters twice. Walks end at their second event.
-- Dense and thick, of high albedo: hundreds of reduced mean free paths across, where diffusion holds to a few per cent
-  and each walk is long. The tabulated profile takes over.
+- Dense and thick: tens of reduced mean free paths across, where the accuracy atlas finds the tabulated profile within
+  5 % of the truth and faster. The rule for this is read off its pictures (`nephrite.atlas.choice.rule`).
 - Everything between: the walk.
 """
 
@@ -24,11 +24,11 @@ from nephrite.plugins.shapes import mean_chord
 CLEAR = 0.03
 """Scattering optical thickness below which a medium counts as clear: its square bounds what is left out."""
 
-DENSE = 400.0
-"""Reduced optical thickness above which a medium counts as dense."""
+DENSE = 65.0
+"""Reduced optical thickness, in the clearest channel, above which a medium counts as dense: the atlas' rule for 5 %."""
 
-LIGHT = 0.95
-"""Reduced albedo, in the darkest channel, from which walks are long enough to be worth replacing."""
+LIGHT = 0.02
+"""Reduced albedo, in the darkest channel, above which that rule holds."""
 
 THIN = 4.0
 """Reduced optical thickness, in the clearest channel, below which transport is left to walks: they are short there."""

@@ -168,7 +168,7 @@ class Media:
             self.kernels = HalfSpaces(self.entries, "dipole" if by_direction else diffusion)
         self.balance = Field(len(self.entries))
         jumping = [e for e, model in zip(self.entries, models, strict=True) if model == JUMP]
-        self.winding = Winding({_identity(shape): shape for entry in jumping for shape in entry.shapes})
+        self.winding = Winding({identity(shape): shape for entry in jumping for shape in entry.shapes})
 
     def jumps(self, number: Any) -> Any:
         """Whether a diffusion model takes over from the walk at its second event."""

@@ -213,9 +213,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             outward = dr.select(leaving, -x.normal, x.normal)
             reflects = crossing & (sampler.next_1d(crossing) < x.reflectance)
             direction = dr.select(reflects, x.reflected, x.refracted)
-            rough = mi.Bool(False)
-            rough_pdf = mi.Float(0)
-            rough_delta = mi.Bool(False)
+            rough, rough_pdf, rough_delta = mi.Bool(False), mi.Float(0), mi.Bool(False)
             if dr.hint(media.any_rough, mode="scalar"):
                 rough = crossing & ~stale & (media.lookup(media.rough, number) > 0)
                 if rough:
