@@ -4,7 +4,7 @@ import mitsuba as mi
 import numpy as np
 import pytest
 
-from nephrite.plugins import auto, balance, jumped, shapes, walked
+from nephrite.plugins import auto, balance, carried, jumped, shapes
 from nephrite.plugins.field import Field, Found, Grid
 from nephrite.plugins.media import Media
 from support import scenes
@@ -92,8 +92,10 @@ def test_the_tabulated_profile_brings_what_walks_bring(shape):
     balance.balance(media, scene)
     after = _brought(media, scene)[1].mean(0)
     sampler = _sampler()
-    begun = shapes.start(scene, media.winding, media.entries[0].shapes[0], sampler)
-    left, twice = (np.array(x).mean(1) for x in walked.walk(scene, sampler, media.entries[0], begun))
-    print(shape, before, after, left / twice)
-    assert after == pytest.approx(0.995 * left / twice, rel=0.02)
+    (entry,) = media.entries
+    begun = shapes.start(scene, media.winding, entry.shapes[0], sampler)
+    ends = carried.carry(scene, sampler, entry, begun.si, begun.shape)
+    truth = np.array(ends.weight).mean(1) / np.array(ends.twice).mean(1)
+    print(shape, before, after, truth)
+    assert after == pytest.approx(0.995 * truth, rel=0.02)
     assert np.abs(before / after - 1).max() > 0.1

@@ -8,9 +8,9 @@ they bring. Two rules:
 - Models of the literature are left as they are, but make no energy. Where they would, e is by how much, and 1
   elsewhere; a jump between x and y is divided by the greater of e(x) and e(y), so that no point sends out more than
   arrives.
-- The tabulated profile belongs to the object: walks from random points tell how much there is (see `walked`). e is what
-  jumps bring over what walks do, and a jump is divided by sqrt(e(x) e(y)); a few rounds of that (symmetric Sinkhorn
-  balancing) make the object as bright as it is under an even sky, everywhere.
+- The tabulated profile belongs to the object: walks from random points tell how much there is (see `carried`). e is
+  what jumps bring over what walks do, and a jump is divided by sqrt(e(x) e(y)); a few rounds of that (symmetric
+  Sinkhorn balancing) make the object as bright as it is under an even sky, everywhere.
 
 Light between two points stays reciprocal in both.
 """
@@ -24,7 +24,7 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
-from nephrite.plugins import jumped, walked
+from nephrite.plugins import carried, jumped
 from nephrite.plugins.field import Found, Grid
 from nephrite.plugins.media import JUMP, Media
 from nephrite.plugins.shapes import mean_chord, start, surface_points
@@ -97,8 +97,8 @@ def _walked(media: Media, number: int, scene: Any) -> Found | None:
             return None
         sampler = _sampler(count, 1)
         begun = start(scene, media.winding, shape, sampler)
-        found = walked.walk(scene, sampler, entry, begun)
-        parts.append(tuple(np.array(part).T for part in (begun.si.p, *found)))
+        ends = carried.carry(scene, sampler, entry, begun.si, shape)
+        parts.append(tuple(np.array(part).T for part in (begun.si.p, ends.weight, ends.twice)))
     return replace(_found(parts), power=-1.0)
 
 

@@ -1,5 +1,7 @@
 """Walks from points of a surface to where they leave it: what the volume carries from there to here.
 
+Transport keeps where they go; diffusion models learn from them how much there is (see `balance`).
+
 Light that falls from all sides enters, walks and leaves. By reciprocity the share that goes from x to y is the share
 of the light entering at y that is seen at x.
 """
@@ -24,14 +26,16 @@ _LONGEST = 100_000
 class Ends:
     """Where walks left a shape: points and outward normals.
 
-    `weight`: per channel and per light that has entered, 0 for walks of fewer than two events; `lost`: what other
-    objects in the shape took; `out`, `back`: tangential directions outside at the end and at the start, times what
-    makes their products with other directions the linear part of the lobe's kernel (see `nephrite.bssrdf.lobe`).
+    `weight`: per channel and per light that has entered, 0 for walks of fewer than two events; `twice`: the light that
+    scattered a second time; `lost`: what other objects in the shape took; `out`, `back`: tangential directions outside
+    at the end and at the start, times what makes their products with other directions the linear part of the lobe's
+    kernel (see `nephrite.bssrdf.lobe`).
     """
 
     p: Any
     n: Any
     weight: Any
+    twice: Any
     lost: Any
     out: Any
     back: Any
@@ -55,7 +59,7 @@ def carry(scene: Any, sampler: Any, entry: Any, at: Any, shape: Any) -> Ends:
     ray = at.spawn_ray(inward.refracted)
     events, steps = mi.UInt32(0), mi.UInt32(0)
     p, n, out = mi.Point3f(at.p), mi.Vector3f(at.n), mi.Vector3f(at.n)
-    left, lost = mi.Spectrum(0), mi.Spectrum(0)
+    left, twice, lost = mi.Spectrum(0), mi.Spectrum(0), mi.Spectrum(0)
     active = dr.max(sigma_s) > 0
     while active:
         ray.maxt = dr.minimum(-dr.log(1 - sampler.next_1d()) / leading, 1e30)
@@ -86,6 +90,7 @@ def carry(scene: Any, sampler: Any, entry: Any, at: Any, shape: Any) -> Ends:
             active &= own & ~leaves
         else:
             events += 1
+            twice = dr.select(events == 2, weight, twice)
             ray.o += ray.d * distance
             ray.d = mi.Frame3f(ray.d).to_world(mi.Vector3f(*phase.sample(u.x, u.y, g)))
         active &= dr.squared_norm(ray.o - at.p) < dr.square(reach)  # or it has found a hole in the shape
@@ -94,7 +99,7 @@ def carry(scene: Any, sampler: Any, entry: Any, at: Any, shape: Any) -> Ends:
         active &= (sampler.next_1d() < survival) & (steps < _LONGEST)
         β /= survival
     memory = lobe.memory(mi.Float(events), g)[0] * (2 / lobe.exit_lobe(entry.eta).m2)
-    return Ends(p, n, left, lost, memory * _tangential(out, n), memory * _tangential(-falling, at.n))
+    return Ends(p, n, left, twice, lost, memory * _tangential(out, n), memory * _tangential(-falling, at.n))
 
 
 def _tangential(v: Any, n: Any) -> Any:

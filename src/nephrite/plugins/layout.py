@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nephrite.plugins.shapes import surface_points
+from nephrite.plugins.winding import outward
 from nephrite.transport.nodes import DENSITY, spread
 
 SPACING = 0.8  # of nodes, in mean free paths of the densest channel
@@ -37,7 +38,7 @@ def lay(entry: Any, shape: Any, scene: Any) -> tuple[NDArray, NDArray, float]:
     sampler = mi.load_dict({"type": "independent"})
     sampler.seed(0, int(_CANDIDATES * DENSITY * area / apart**2) + 1)
     si = surface_points(shape, sampler.next_2d(), sampler.next_1d())
-    points, normals = np.array(si.p).T, np.array(_outward(scene, shape, si)).T
+    points, normals = np.array(si.p).T, np.array(outward(scene, shape, si.p, mi.Vector3f(si.n))).T
     kept = spread(points, normals, apart)
     return points[kept], normals[kept], apart
 
@@ -48,20 +49,3 @@ def at_nodes(points: NDArray, normals: NDArray) -> Any:
     si.p, si.n = mi.Point3f(points.T), mi.Normal3f(normals.T)
     si.sh_frame = mi.Frame3f(mi.Vector3f(si.n))
     return si
-
-
-def _outward(scene: Any, shape: Any, si: Any) -> Any:
-    """Return the normals at points of a shape, turned outward whatever its winding is.
-
-    Inward a ray always meets the shape again, outward it seldom does; where both do, most others decide.
-    """
-    ahead, behind = (_meets(scene, shape, si, mi.Vector3f(si.n) * side) for side in (1.0, -1.0))
-    votes = float(dr.sum(dr.select(ahead, mi.Float(1.0), 0.0) - dr.select(behind, mi.Float(1.0), 0.0))[0])
-    inward = dr.select(ahead == behind, mi.Bool(votes > 0.0), ahead)
-    return dr.select(inward, -si.n, si.n)
-
-
-def _meets(scene: Any, shape: Any, si: Any, direction: Any) -> Any:
-    hit = scene.ray_intersect_preliminary(si.spawn_ray(direction), coherent=False, active=mi.Bool(True))
-    identity: Any = dr.reinterpret_array(mi.UInt32, hit.shape)
-    return hit.is_valid() & (identity == dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape)))
