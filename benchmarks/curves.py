@@ -64,8 +64,10 @@ def over_time(
     axes[0, 0].set_ylim(GOAL / 20, min(axes[0, 0].get_ylim()[1], _MOST))
     for row in axes:
         row[0].set_ylabel("relMSE")
-    sheet.legend(shown.values(), shown.keys(), loc="lower center", ncols=4, fontsize=7.5, frameon=False)
-    sheet.tight_layout(rect=(0.0, 0.75 / (3.4 * rows + 1.0), 1.0, 1.0))
+    sheet.legend(
+        shown.values(), shown.keys(), loc="lower center", ncols=2 * columns, fontsize=7.5, frameon=False
+    )
+    sheet.tight_layout(rect=(0.0, 1.3 / columns / (3.4 * rows + 1.0), 1.0, 1.0))
     return plot.save(path, sheet, {"shows": "relMSE over time"})
 
 
