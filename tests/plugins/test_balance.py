@@ -4,7 +4,7 @@ import mitsuba as mi
 import numpy as np
 import pytest
 
-from nephrite.plugins import auto, balance, carried, jumped, shapes
+from nephrite.plugins import auto, balance, jumped, shapes, walked
 from nephrite.plugins.field import Field, Found, Grid
 from nephrite.plugins.media import Media
 from support import scenes
@@ -94,7 +94,7 @@ def test_the_tabulated_profile_brings_what_walks_bring(shape):
     sampler = _sampler()
     (entry,) = media.entries
     begun = shapes.start(scene, media.winding, entry.shapes[0], sampler)
-    ends = carried.carry(scene, sampler, entry, begun.si, begun.shape)
+    ends = walked.walk(scene, sampler, entry, begun.si, begun.shape)
     truth = np.array(ends.weight).mean(1) / np.array(ends.twice).mean(1)
     print(shape, before, after, truth)
     assert after == pytest.approx(0.995 * truth, rel=0.02)

@@ -7,7 +7,7 @@ import mitsuba as mi
 import numpy as np
 import pytest
 
-from nephrite.plugins import carried
+from nephrite.plugins import walked
 from nephrite.plugins.layout import lay
 from nephrite.plugins.media import Media
 from support import measure, scenes
@@ -86,15 +86,15 @@ def test_terms_add_up():
 
 
 def test_a_moved_light_needs_no_new_walks(monkeypatch):
-    walked = []
-    original = carried.carry
-    monkeypatch.setattr(carried, "carry", lambda *given: walked.append(1) or original(*given))
+    calls = []
+    original = walked.walk
+    monkeypatch.setattr(walked, "walk", lambda *given: calls.append(1) or original(*given))
     light = {"type": "point", "position": [30.0, 20.0, 30.0], "intensity": 5000.0}
     scene = mi.load_dict(_ball() | {"light": light})
     integrator = mi.load_dict(QUICK)
     first = np.array(mi.render(scene, integrator=integrator, spp=64, seed=1))
-    assert walked
-    walked.clear()
+    assert calls
+    calls.clear()
     assert np.array_equal(first, np.array(mi.render(scene, integrator=integrator, spp=64, seed=1)))
     parameters = mi.traverse(scene)
     parameters["light.position"] = [-30.0, 20.0, 30.0]
@@ -102,7 +102,7 @@ def test_a_moved_light_needs_no_new_walks(monkeypatch):
     moved = np.array(mi.render(scene, integrator=integrator, spp=64, seed=1))
     again = mi.load_dict(_ball() | {"light": light | {"position": [-30.0, 20.0, 30.0]}})
     loaded = np.array(mi.render(again, integrator=integrator, spp=64, seed=1))
-    assert not walked
+    assert not calls
     assert np.array_equal(moved, loaded)
     assert moved.mean() == pytest.approx(first.mean(), rel=0.03)  # mirrored
     assert np.abs(moved - first).mean() > 0.1 * first.mean()

@@ -8,7 +8,7 @@ they bring. Two rules:
 - Models of the literature are left as they are, but make no energy. Where they would, e is by how much, and 1
   elsewhere; a jump between x and y is divided by the greater of e(x) and e(y), so that no point sends out more than
   arrives.
-- The tabulated profile belongs to the object: walks from random points tell how much there is (see `carried`). e is
+- The tabulated profile belongs to the object: walks from random points tell how much there is (see `walked`). e is
   what jumps bring over what walks do, and a jump is divided by sqrt(e(x) e(y)); a few rounds of that (symmetric
   Sinkhorn balancing) make the object as bright as it is under an even sky, everywhere.
 
@@ -24,7 +24,7 @@ from typing import Any
 import mitsuba as mi
 import numpy as np
 
-from nephrite.plugins import carried, jumped
+from nephrite.plugins import jumped, walked
 from nephrite.plugins.field import Found, Grid
 from nephrite.plugins.media import JUMP, Media
 from nephrite.plugins.shapes import mean_chord, start, surface_points
@@ -41,7 +41,7 @@ _BOUND = 3.0  # of |log2 e|
 
 
 def fingerprint(media: Media) -> tuple[Any, ...]:
-    """Return what the crowding depends on, as far as it can be told at once: forms, sizes, coefficients, models."""
+    """Return what jumps and transport depend on, as far as it can be told at once: forms, sizes, coefficients, models."""
     found: list[Any] = [mi.variant(), media.diffusion, *media.models]
     for entry in media.entries:
         found += [entry.eta, entry.g]
@@ -97,7 +97,7 @@ def _walked(media: Media, number: int, scene: Any) -> Found | None:
             return None
         sampler = _sampler(count, 1)
         begun = start(scene, media.winding, shape, sampler)
-        ends = carried.carry(scene, sampler, entry, begun.si, shape)
+        ends = walked.walk(scene, sampler, entry, begun.si, shape)
         parts.append(tuple(np.array(part).T for part in (begun.si.p, ends.weight, ends.twice)))
     return replace(_found(parts), power=-1.0)
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from nephrite.bssrdf import lobe
 from nephrite.physics.single import deep_share
-from nephrite.plugins import carried, gathered
+from nephrite.plugins import gathered, walked
 from nephrite.plugins.layout import at_nodes, free_paths, lay
 from nephrite.plugins.media import identity
 from nephrite.plugins.settings import NO_LIMIT
@@ -89,7 +89,7 @@ class Transport:
             sampler.seed(turn, nodes * count)
             start = dr.arange(mi.UInt32, nodes * count) // count
             here = dr.gather(type(at), at, start)
-            ends = carried.carry(scene, sampler, entry, here, shape)
+            ends = walked.walk(scene, sampler, entry, here, shape)
             dr.eval(ends)
             used = dr.max(ends.weight) > 0
             end = self._nearby.nearest(mi.UInt32(number), ends.p, ends.n, used) - first

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from nephrite.geometry.winding import against_others
 
-MAX_HITS = 256  # on a line
+_MOST_CROSSINGS = 256  # of a line
 _KEPT = 64  # meshes
 _known: dict[bytes, NDArray[np.bool_]] = {}  # a picture's passes ask for the same meshes again and again
 
@@ -57,13 +57,12 @@ def outward(scene: Any, shape: Any, p: Any, n: Any) -> Any:
     start = dr.zeros(mi.Interaction3f, dr.width(p))
     start.p, start.n = p, n
     ray = start.spawn_ray(n)
-    dr.eval(
-        ray
-    )  # two loops of one kernel may not both intersect rays (Dr.Jit 1.5 defines the same function twice)
+    # two loops of one kernel may not both intersect rays: Dr.Jit 1.5 defines the same function twice
+    dr.eval(ray)
     inward, active, turns = mi.Bool(False), mi.Bool(True), mi.UInt32(0)
     while active:
         si = scene.ray_intersect(ray, mi.RayFlags.All, False, active)
-        active &= si.is_valid() & (turns < MAX_HITS)
+        active &= si.is_valid() & (turns < _MOST_CROSSINGS)
         inward ^= active & (dr.reinterpret_array(mi.UInt32, si.shape) == identity)
         ray.o = si.spawn_ray(ray.d).o
         turns += 1

@@ -42,7 +42,7 @@ class Ends:
 
 
 @dr.syntax
-def carry(scene: Any, sampler: Any, entry: Any, at: Any, shape: Any) -> Ends:
+def walk(scene: Any, sampler: Any, entry: Any, at: Any, shape: Any) -> Ends:
     """Walk once from every point of `at`, whose normals point outward; `entry`: the `media.Entry` of the shape."""
     identity = dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))
     eta = dr.opaque(mi.Float, entry.eta)
