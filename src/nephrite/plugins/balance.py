@@ -41,7 +41,7 @@ _BOUND = 3.0  # of |log2 e|
 
 
 def fingerprint(media: Media) -> tuple[Any, ...]:
-    """Return what jumps and transport depend on, as far as it can be told at once: forms, sizes, coefficients, models."""
+    """Return what jumps and transport depend on, as far as can be told at once: forms, sizes, coefficients, models."""
     found: list[Any] = [mi.variant(), media.diffusion, *media.models]
     for entry in media.entries:
         found += [entry.eta, entry.g]
