@@ -70,7 +70,8 @@ def total_reflectance(
     """Share of the light that has entered which leaves again, in [0, 1]; of order two and more if `multiple`.
 
     `albedo`: single-scattering albedo sigma_s / sigma_t (not reduced). `incidence`: "diffuse" (equal radiance from all
-    directions outside) or "normal". Accurate to 1e-7 for |g| up to .5 and 1e-4 at .95. Raises `ParameterError`.
+    directions outside) or "normal". Accurate to 1e-7 for |g| up to .5 and 1e-4 at .95 (diffuse), to 1e-4 under
+    normal light. Raises `ParameterError`.
     """
     exits = emergent(check_albedo(albedo), fresnel.check_eta(eta), check_g(g), incidence)
     return max(float(exits.lobe @ (exits.multiple if multiple else exits.all)), 0.0)
