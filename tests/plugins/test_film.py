@@ -1,5 +1,6 @@
 """What ends up on the film: AOVs, filters, crops, alpha, hidden emitters, sample counts, seeds."""
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
@@ -27,6 +28,17 @@ def test_a_crop_window_is_a_part_of_the_picture():
     part = measure.passes(_scene(**crop), scenes.ours(), 128, 10, 900)
     assert part.mean.shape == (4, 8, 3)
     measure.assert_same(part, measure.Passes(whole.pictures[:, 8:12, 4:12]))
+
+
+@pytest.mark.parametrize("model", ["walk", "dipole", "tabulated"])
+def test_paths_are_traced_once(model):
+    scene, integrator = mi.load_dict(_scene()), mi.load_dict(scenes.ours(model=model))
+    mi.render(scene, integrator=integrator, spp=4)
+    with dr.scoped_set_flag(dr.JitFlag.KernelHistory, True):
+        dr.kernel_history_clear()
+        dr.eval(mi.render(scene, integrator=integrator, spp=4))
+        kernels = [k["operation_count"] for k in dr.kernel_history() if k["type"] == dr.KernelType.JIT]
+    assert sum(count > 1000 for count in kernels) == 1
 
 
 def test_alpha_is_where_something_is():

@@ -21,6 +21,7 @@ import math
 from dataclasses import replace
 from typing import Any
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 
@@ -83,8 +84,10 @@ def _brought(media: Media, number: int, scene: Any) -> Found:
     for shape in media.entries[number - 1].shapes:
         sampler = _sampler(_JUMPS, 0)
         begun = start(scene, media.winding, shape, sampler)
-        brought = np.array(jumped.jump_once(media, number, scene, sampler, begun)).T
-        parts.append((np.array(begun.si.p).T, brought, np.ones_like(brought)))
+        brought = jumped.jump_once(media, number, scene, sampler, begun)
+        dr.eval(begun.si.p, brought)
+        values = np.array(brought).T
+        parts.append((np.array(begun.si.p).T, values, np.ones_like(values)))
     return _found(parts)
 
 
@@ -98,6 +101,7 @@ def _walked(media: Media, number: int, scene: Any) -> Found | None:
         sampler = _sampler(count, 1)
         begun = start(scene, media.winding, shape, sampler)
         ends = walked.walk(scene, sampler, entry, begun.si, shape)
+        dr.eval(begun.si.p, ends.weight, ends.twice)
         parts.append(tuple(np.array(part).T for part in (begun.si.p, ends.weight, ends.twice)))
     return replace(_found(parts), power=-1.0)
 

@@ -99,6 +99,8 @@ class TranslucentPath(mi.SamplingIntegrator):
         with dr.suspend_grad():
             source = camera.Camera(sensor, spp, seed)
             result = path.trace(self.settings, scene, media, source.sampler, source)
+            # all that the loop leaves behind at once: whatever is asked for later would run it again
+            dr.eval(source.block.tensor(), result.cut, result.started)
             film = sensor.film()
             film.put_block(source.block)
             self._report(result)
