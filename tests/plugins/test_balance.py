@@ -46,10 +46,10 @@ def test_a_ratio_is_found_where_it_was_put():
     field = Field(2)
     field.put(2, grid, grid.logarithm(Found(points, ratios, np.ones_like(ratios))))
     at = mi.Point3f([3.0, -3.0], [0.5, 0.5], [0.2, 0.2])
-    found = np.exp2(np.array(field.logarithm(mi.UInt32(2), at)))
+    found = np.exp2(np.array(field.logarithm(mi.UInt32(2), at, mi.Vector3f(0))))
     assert found[:, 0] == pytest.approx([2.0, 3.0, 1.0], rel=1e-2)
     assert found[:, 1] == pytest.approx([0.5, 1.0, 1.0], rel=1e-2)
-    assert np.all(np.array(field.logarithm(mi.UInt32(1), at)) == 0)
+    assert np.all(np.array(field.logarithm(mi.UInt32(1), at, mi.Vector3f(0))) == 0)
 
 
 def test_noise_leaves_no_trace():
@@ -66,7 +66,7 @@ def test_a_thick_smooth_object_is_not_crowded():
     media, scene = _media("sphere", 0.02, 5.0)
     balance.balance(media, scene)
     p, _ = _brought(media, scene)
-    assert np.array(media.balance.logarithm(mi.UInt32(1), p)).max() < 0.02
+    assert np.array(media.balance.logarithm(mi.UInt32(1), p, mi.Vector3f(0))).max() < 0.02
 
 
 @pytest.mark.parametrize("model", ["dipole", "photon_beam", "directional"])

@@ -14,7 +14,7 @@ from nephrite.scene.ply import write_ply
 from nephrite.scene.translucent import object_mask
 from support import measure, scenes
 
-SPP = {"exact": 64, "lobe": 2048}
+SPP = {"exact": 64, "lobe": 3072}
 WHITE = {"sigma_a": 0.0, "sigma_s": [0.4, 0.6, 0.9]}
 
 
@@ -76,7 +76,7 @@ def test_no_model_makes_energy(model, shape, tmp_path):
         r = np.geomspace(0.01, 1e3, 200)
         np.savetxt(tmp_path / "white.csv", np.stack([r, 0.5 / np.pi * (1.0 + r**2) ** -1.5], axis=1))
         details["profile"] = str(tmp_path / "white.csv")
-    mean, error = _brightness(scene, scenes.ours(model=model, **details), 256)
+    mean, error = _brightness(scene, scenes.ours(model=model, **details), 384)
     print(f"{model} {shape}: {mean:.5f} +- {error:.5f}")
     assert error < 3e-3
     assert mean < 1 + 4 * error + 2e-3

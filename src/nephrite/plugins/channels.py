@@ -3,8 +3,10 @@
 A walk draws its distances for one channel, chosen with probability q. Every channel keeps `β`, its throughput
 divided by the leader's density, and `ratio`, its own density times its q divided by the leader's. The balance
 heuristic over channels (spectral multiple importance sampling, Wilkie et al. 2014) then weighs the walk by
-`β / sum(ratio)`, which never exceeds the throughput before the walk by more than the number of channels, and by no
-more than their sum if q follows the throughput.
+`β / sum(ratio)`, which never exceeds the greatest of the throughputs before the walk over their q.
+
+Light goes farther in a clear channel than in a dense one, meets more different lights, and is noisier, while its walks
+have fewer events: q follows the throughput over the square root of the extinction.
 """
 
 from __future__ import annotations
@@ -13,6 +15,8 @@ from typing import Any
 
 import drjit as dr
 import mitsuba as mi
+
+CLEAREST = 1 / 16  # of the densest channel's extinction: clearer channels count as this
 
 
 def pick(values: Any, channel: Any) -> Any:
@@ -23,15 +27,16 @@ def pick(values: Any, channel: Any) -> Any:
     return result
 
 
-def lead(β: Any, u: Any) -> tuple[Any, Any, Any]:
-    """Choose the leader of a walk in proportion to the throughput `β`; return (channel, β, ratio)."""
-    count = len(β)
-    total = dr.sum(β)
+def lead(β: Any, sigma_t: Any, u: Any) -> tuple[Any, Any, Any]:
+    """Choose the leader of a walk with the throughput `β` where it enters; return (channel, β, ratio)."""
+    density = dr.clip(sigma_t / dr.maximum(dr.max(sigma_t), 1e-30), CLEAREST, 1.0)
+    chances = β * dr.rsqrt(density)
+    total = dr.sum(chances)
     target, below, channel = u * total, mi.Float(0.0), mi.UInt32(0)
-    for i in range(count - 1):
-        below += β[i]
+    for i in range(len(β) - 1):
+        below += chances[i]
         channel = dr.select(target >= below, i + 1, channel)
-    q = β / dr.maximum(total, 1e-30)
+    q = chances / dr.maximum(total, 1e-30)
     of_leader = dr.maximum(pick(q, channel), 1e-30)
     return channel, β / of_leader, q / of_leader
 

@@ -100,18 +100,24 @@ class Field:
             values = np.repeat(values.mean(axis=-1, keepdims=True), values.shape[-1], axis=-1)
         tensor = mi.TensorXf(values.astype(np.float32).ravel(), values.shape)
         make: Any = mi.Texture3f
-        texture = make(tensor, use_accel=False, wrap_mode=dr.WrapMode.Clamp)
+        nearest, clamp = dr.FilterMode.Nearest, dr.WrapMode.Clamp
+        texture = make(tensor, use_accel=False, filter_mode=nearest, wrap_mode=clamp)
         # values lie at the corners of cells; a texture has them at the centres of its texels
         scale = [1.0 / (grid.cell * float(n)) for n in grid.counts]
         origin = [float(a) - 0.5 * grid.cell for a in grid.low]
-        self._grids[number - 1] = (mi.Point3f(*origin), mi.Vector3f(*scale), texture)
+        texels = [1.0 / float(n) for n in grid.counts]
+        self._grids[number - 1] = (mi.Point3f(*origin), mi.Vector3f(*scale), mi.Vector3f(*texels), texture)
 
-    def logarithm(self, number: Any, p: Any) -> Any:
-        """Return the value at points, per channel."""
+    def logarithm(self, number: Any, p: Any, jitter: Any) -> Any:
+        """Return the value at the corner of the grid that is nearest to `p + jitter`, per channel.
+
+        `jitter`: in cells. Where it is even in (-1/2, 1/2)^3, the mean is the linear interpolation between the corners,
+        of which there are eight to read.
+        """
         result = mi.Spectrum(0.0)
         for i, one in enumerate(self._grids, start=1):
             if one is not None:
-                low, scale, texture = one
-                values = texture.eval((p - low) * scale)
+                low, scale, texel, texture = one
+                values = texture.eval((p - low) * scale + jitter * texel)
                 result = dr.select(number == i, mi.Spectrum(values), result)
         return result

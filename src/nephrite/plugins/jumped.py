@@ -42,7 +42,7 @@ def _land(scene: Any, sampler: Any, media: Media, number: Any, place: Place, sta
         counts = active & si.is_valid() & (dr.reinterpret_array(mi.UInt32, si.shape) == identity)
         search = jump.visit(
             search, media.kernels, place, media.other_end(number, si, counts),
-            media.balanced(number, at.p, si.p), si, start.side, at.p, outward, β,
+            media.balanced(number, at.p, si.p, sampler.next_1d(active)), si, start.side, at.p, outward, β,
             sampler.next_1d(active), counts,
         )  # fmt: skip
         ray.o = jump.advance(search, si, ray, active)

@@ -235,9 +235,14 @@ class Media:
             result = dr.select(number == i, entry.colors.of_coefficients(sigma_a, sigma_s), result)
         return result
 
-    def balanced(self, number: Any, a: Any, b: Any) -> Any:
-        """Return the logarithm to base 2 of what a jump's kernel is divided by, per channel; see `balance`."""
-        at_a, at_b = self.balance.logarithm(number, a), self.balance.logarithm(number, b)
+    def balanced(self, number: Any, a: Any, b: Any, u: Any) -> Any:
+        """Return the logarithm to base 2 of what a jump's kernel is divided by, per channel; see `balance`.
+
+        `u`: a uniform number, whose leading, middle and last digits jitter the lookups.
+        """
+        digits = mi.Vector3f(u, 256.0 * u, 65536.0 * u)
+        jitter = digits - dr.floor(digits) - 0.5
+        at_a, at_b = self.balance.logarithm(number, a, jitter), self.balance.logarithm(number, b, jitter)
         return 0.5 * (at_a + at_b) if self.kernels.finite else dr.maximum(at_a, at_b)
 
     def other_end(self, number: Any, si: Any, active: Any) -> Any:

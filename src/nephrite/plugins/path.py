@@ -16,6 +16,7 @@ import mitsuba as mi
 from nephrite.bssrdf import lobe
 from nephrite.physics import phase
 from nephrite.plugins import channels, interface, jump
+from nephrite.plugins.exits import connection_count, toward
 from nephrite.plugins.media import Media
 from nephrite.plugins.settings import Settings
 
@@ -48,6 +49,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
     repeats = source.repeats
     longest = dr.norm(scene.bbox().extents()) if scene.bbox().valid() else 1.0
     context = mi.BSDFContext()
+    connections = connection_count(scene, media)
 
     # fmt: off
     # --- The path ---------------------------------------------------------------------------------------------------
@@ -173,8 +175,8 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                     place = media.kernels.place(within, sigma_t - sigma_s, sigma_s, g)
                     search = jump.visit(
                         search, media.kernels, place, media.other_end(within, si, counts),
-                        media.balanced(within, entry_p, si.p), si, entry_side, entry_p, entry_n, β,
-                        sampler.next_1d(counts), counts,
+                        media.balanced(within, entry_p, si.p, sampler.next_1d(counts)),
+                        si, entry_side, entry_p, entry_n, β, sampler.next_1d(counts), counts,
                     )  # fmt: skip
                     ray.o = jump.advance(search, si, ray, searching)
                     search.active &= si.is_valid()
@@ -195,7 +197,8 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                 last.p = last_p
                 ds = mi.DirectionSample3f(scene, si, last)
                 by_light = scene.pdf_emitter_direction(last, ds, ~last_delta)
-                L += weight * emitter.eval(si) * dr.select(last_delta, 1, _balance(last_pdf, by_light))
+                by_chance = dr.select(last_delta, 1, _balance(last_pdf, connections * by_light))
+                L += weight * emitter.eval(si) * by_chance
 
             goes_on = reaches & si.is_valid() & (depth + 1 < s.max_depth)
             valid |= reaches & si.is_valid()
@@ -274,37 +277,35 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             cos_out = dr.dot(direction, normal)
             lobe_pdf = lobe.pdf(cos_out, mi.fresnel(dr.maximum(cos_out, 0), eta_exit)[0], normalization)
 
-            # Connect to a light
+            # Connect to lights
             connects = (
                 ((opaque & ~inside) | ((rough | by_lobe) & (to_medium == 0))) & ~dead & _wanted(s, order)
             )
             bsdf = si.bsdf()
             if connects:
-                ds, light = scene.sample_emitter_direction(at, sampler.next_2d(connects), True, connects)
-                local_d = si.to_local(ds.d)
-                value, pdf = mi.Spectrum(0), mi.Float(0)
-                if opaque:
-                    value, pdf = bsdf.eval_pdf(context, si, local_d, opaque)
-                if dr.hint(media.any_rough, mode="scalar"):
-                    if rough:
-                        value, pdf = media.eval_surface(number, si, local_d, rough & (local_d.z > 0))
-                if by_lobe:
-                    cos_light = dr.dot(ds.d, normal)
-                    pdf = lobe.pdf(
-                        cos_light, mi.fresnel(dr.maximum(cos_light, 0), eta_exit)[0], normalization
+                lottery = sampler.next_1d(connects)
+                for i in range(connections):
+                    ticket = dr.minimum((lottery + i) / connections, dr.one_minus_epsilon(mi.Float))
+                    ds, light = scene.sample_emitter_direction(
+                        at, mi.Point2f(ticket, sampler.next_1d(connects)), True, connects
                     )
-                    linear, quadratic = lobe.memory(mi.Float(events), g)
-                    seen = lobe.kernel(
-                        direction, ds.d, normal, media.lookup(media.m2, from_number),
-                        media.lookup(media.m4, from_number), linear, quadratic,
-                    )  # fmt: skip
-                    value = mi.Spectrum(pdf * dr.select(landed, 1, seen))
-                    if dr.hint(media.directional is not None, mode="scalar"):
-                        value *= dr.select(landed, media.directional.ratio(
-                            within, sigma_t - sigma_s, sigma_s, entry_p, entry_n, entry_w, at.p, normal, ds.d
-                        ), 1)  # fmt: skip
-                mis = dr.select(ds.delta, 1, _balance(ds.pdf, pdf))
-                L[ds.pdf > 0] += weight * value * light * mis
+                    local_d = si.to_local(ds.d)
+                    value, pdf = mi.Spectrum(0), mi.Float(0)
+                    if opaque:
+                        value, pdf = bsdf.eval_pdf(context, si, local_d, opaque)
+                    if dr.hint(media.any_rough, mode="scalar"):
+                        if rough:
+                            value, pdf = media.eval_surface(number, si, local_d, rough & (local_d.z > 0))
+                    if by_lobe:
+                        value, pdf = toward(
+                            media, from_number, normal, direction, ds.d, mi.Float(events), g, landed
+                        )
+                        if dr.hint(media.directional is not None, mode="scalar"):
+                            value *= dr.select(landed, media.directional.ratio(
+                                within, sigma_t - sigma_s, sigma_s, entry_p, entry_n, entry_w, at.p, normal, ds.d
+                            ), 1)  # fmt: skip
+                    mis = dr.select(ds.delta, 1, _balance(connections * ds.pdf, pdf)) / connections
+                    L[ds.pdf > 0] += weight * value * light * mis
 
             # Choose the next direction on everything that light can't enter
             if opaque:
@@ -342,7 +343,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                     L += β * media.transported(s, number, si, outward, -ray.d, enters)
                     entered = dr.max(β)
                     started += entered
-                    channel, β, ratio = channels.lead(β, sampler.next_1d())
+                    channel, β, ratio = channels.lead(β, sigma_t, sampler.next_1d())
                     events, steps = mi.UInt32(0), mi.UInt32(0)
                     entry_p, entry_n = si.p, outward
                     if dr.hint(media.directional is not None, mode="scalar"):

@@ -54,7 +54,7 @@ def walk(scene: Any, sampler: Any, entry: Any, at: Any, shape: Any) -> Ends:
     inward = interface.cross(at, falling, eta)
     normalization = dr.opaque(mi.Float, lobe.exit_lobe(entry.eta).normalization)
     entered = (1 - inward.reflectance) / normalization
-    channel, β, ratio = channels.lead(mi.Spectrum(entered), sampler.next_1d())
+    channel, β, ratio = channels.lead(mi.Spectrum(entered), sigma_t, sampler.next_1d())
     leading = channels.pick(sigma_t, channel)
     ray = at.spawn_ray(inward.refracted)
     events, steps = mi.UInt32(0), mi.UInt32(0)

@@ -1,0 +1,40 @@
+"""Where light leaves a translucent object: how many lights it is connected to, and what reaches them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+
+from nephrite.bssrdf import lobe
+from nephrite.plugins.media import WALK, Media
+
+_MOST_CONNECTIONS = 4
+
+
+def connection_count(scene: Any, media: Media) -> int:
+    """Return how many lights each point is connected to.
+
+    One, but where walks lead there: they are dear, so that the next connection costs little beside them, and with one
+    per emitter it is no matter of luck which emitter is tried.
+    """
+    return max(1, min(len(scene.emitters()), _MOST_CONNECTIONS)) if WALK in media.models else 1
+
+
+def toward(
+    media: Media, number: Any, normal: Any, direction: Any, to_light: Any, events: Any, g: Any, landed: Any
+) -> tuple[Any, Any]:
+    """Return the lobe that the light which leaves material `number` has in the direction `to_light`, and its density.
+
+    `direction`: where the path leaves; `events`: how often it has scattered, which tells how much of its direction it
+    remembers (see `nephrite.bssrdf.lobe`); `landed`: jumps, which remember nothing.
+    """
+    eta, normalization = media.lookup(media.eta, number), media.lookup(media.normalization, number)
+    cosine = dr.dot(to_light, normal)
+    fresnel: Any = mi.fresnel
+    pdf = lobe.pdf(cosine, fresnel(dr.maximum(cosine, 0), eta)[0], normalization)
+    linear, quadratic = lobe.memory(events, g)
+    m2, m4 = media.lookup(media.m2, number), media.lookup(media.m4, number)
+    remembered = lobe.kernel(direction, to_light, normal, m2, m4, linear, quadratic)
+    return mi.Spectrum(pdf * dr.select(landed, 1, remembered)), pdf
