@@ -24,19 +24,22 @@ from nephrite.bssrdf import probe
 from nephrite.plugins.channels import pick
 from nephrite.plugins.kernels import Kernels, Place
 
-MAX_HITS = 256
+MAX_HITS = 256  # a chord, on average
+MAX_CHORDS = 32
 
 
 @dataclass
 class Search:
-    """A probe on its way along its chord, one ray a turn; part of the state of the integrator's loop.
+    """A probe on its way along its chords, one ray a turn; part of the state of the integrator's loop.
 
-    `active`: still searching; `left`: length of the chord ahead; `hits`, `total`: points found and the sum of their
-    worths; `share`: per worth, what the chosen point brings; `p`, `n`, `shading`: the point, its outward normal, its
-    shading normal.
+    `active`: still searching; `chords`, `begun`: how many there are to be, and how many have begun; `left`: length of
+    the chord ahead, 0 where one is to begin; `hits`, `total`: points found and the sum of their worths; `share`: per
+    worth, what the chosen point brings; `p`, `n`, `shading`: the point, its outward normal, its shading normal.
     """
 
     active: Any
+    chords: Any
+    begun: Any
     left: Any
     hits: Any
     total: Any
@@ -50,8 +53,8 @@ def idle() -> Search:
     """Return a search that has not begun."""
     up = mi.Vector3f(0, 0, 1)
     return Search(
-        mi.Bool(False), mi.Float(0), mi.UInt32(0), mi.Float(0), mi.Spectrum(0), mi.Point3f(0), mi.Vector3f(up),
-        mi.Vector3f(up),
+        mi.Bool(False), mi.UInt32(1), mi.UInt32(0), mi.Float(0), mi.UInt32(0), mi.Float(0), mi.Spectrum(0),
+        mi.Point3f(0), mi.Vector3f(up), mi.Vector3f(up),
     )  # fmt: skip
 
 
@@ -60,10 +63,23 @@ def arriving(albedo: Any, share: Any) -> Any:
     return dr.maximum(albedo * albedo * (1.0 - share), 1e-12)
 
 
-def begin(
-    kernels: Kernels, place: Place, origin: Any, outward: Any, β: Any, sampler: Any, active: Any
-) -> tuple[Search, Any, Any]:
-    """Start to search the surface around `origin`; return the search, and origin and direction of its ray.
+def begin(worth: Any, active: Any) -> Search:
+    """Start to search the surface; `worth` of the path, relative to its start, is the number of chords, rounded down.
+
+    What one chord finds varies by half. Paths that get from fold to fold multiply it: with one chord for each jump a
+    few become worth hundreds of others, and are seen as fireflies. The more is at stake, the better a jump is sampled.
+    Few paths are ever worth 2, and none on a convex body.
+    """
+    search = idle()
+    search.active = mi.Bool(active)
+    search.chords = mi.UInt32(dr.clip(worth, 1.0, MAX_CHORDS))
+    return search
+
+
+def chord(
+    search: Search, kernels: Kernels, place: Place, origin: Any, outward: Any, β: Any, sampler: Any, active: Any
+) -> tuple[Search, Any, Any]:  # fmt: skip
+    """Begin a chord near `origin`; return the search, and origin and direction of its ray.
 
     `outward`: normal at `origin`; `β`: throughput, by which the channel that draws the distance is chosen.
     """
@@ -78,8 +94,8 @@ def begin(
     along = probe.axis(mi.Frame3f(outward), v.x)
     radius = probe.distance(depth, u.x)
     start, direction, left = probe.chord(origin, along, radius, kernels.core(place), u.y, v.y)
-    search = idle()
-    search.active, search.left = mi.Bool(active), left
+    search.left = dr.select(active, left, search.left)
+    search.begun[active] += 1
     return search, start, direction
 
 
@@ -98,12 +114,14 @@ def visit(
         poles += [(first, q * share), (second, q * (1.0 - share))]
     density = probe.density(poles, mi.Frame3f(outward), offset, normal, kernels.core(place))
     value = dr.exp2(kernels.between(place, there, offset, outward, normal) - balance)
-    part = dr.select(density > 0, value / dr.maximum(density, 1e-30), 0.0)
+    part = dr.select(density > 0, value / dr.maximum(search.chords * density, 1e-30), 0.0)
     worth = dr.select(active, dr.sum(β * part), 0)
     total = search.total + worth
     take = active & (worth > 0) & (u * total <= worth)
     return Search(
         search.active,
+        search.chords,
+        search.begun,
         search.left,
         dr.select(active, search.hits + 1, search.hits),
         total,
@@ -120,9 +138,10 @@ def _preference(β: Any) -> Any:
 
 
 def advance(search: Search, si: Any, ray: Any, active: Any) -> Any:
-    """Shorten the chord by what the ray has gone; return where it goes on from. The search ends with the chord."""
+    """Shorten the chord by what the ray has gone; return where it goes on from. The search ends with the last chord."""
     following = si.spawn_ray(ray.d).o
     left = search.left - dr.norm(following - ray.o)
+    left = dr.select(si.is_valid() & (search.hits < MAX_HITS * search.chords), dr.maximum(left, 0.0), 0.0)
     search.left = dr.select(active, left, search.left)
-    search.active &= ~active | ((left > 0) & (search.hits < MAX_HITS))
+    search.active &= ~active | (left > 0) | (search.begun < search.chords)
     return following

@@ -32,10 +32,13 @@ def _land(scene: Any, sampler: Any, media: Media, number: Any, place: Place, sta
     """Return the searches at their ends."""
     at, identity = start.si, dr.reinterpret_array(mi.UInt32, mi.ShapePtr(start.shape))
     outward, β = mi.Vector3f(at.n), mi.Spectrum(1.0)
-    search, begin, direction = jump.begin(media.kernels, place, at.p, outward, β, sampler, mi.Bool(True))
-    ray = mi.Ray3f(begin, direction)
+    search = jump.begin(1.0, True)
+    ray = mi.Ray3f(at.p, outward)
     active = mi.Bool(search.active)
     while active:
+        starts = search.left == 0
+        if starts:
+            search, ray.o, ray.d = jump.chord(search, media.kernels, place, at.p, outward, β, sampler, starts)
         ray.maxt = search.left
         si = scene.ray_intersect(ray, mi.RayFlags.All, False, active)
         si.n = media.winding.outward(si)
@@ -46,8 +49,7 @@ def _land(scene: Any, sampler: Any, media: Media, number: Any, place: Place, sta
             sampler.next_1d(active), counts,
         )  # fmt: skip
         ray.o = jump.advance(search, si, ray, active)
-        active = search.active & si.is_valid()
-        search.active = mi.Bool(active)
+        active = mi.Bool(search.active)
     return search
 
 

@@ -63,6 +63,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
     depth = mi.UInt32(0)                                # Bounces
     order = mi.UInt32(0)                                # Events in media, on the whole path
     β = mi.Spectrum(1)                                  # Throughput of the leading channel's density
+    initial = dr.sum(β)                                 # Throughput at the path's start, of all channels
     ratio = channels.solo(β)                            # Densities of the channels, relative to the leader's
     channel = mi.UInt32(0)                              # The leader
     last_p = mi.Point3f(0)                              # Last vertex that lights were connected to,
@@ -92,7 +93,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
         if dr.hint(repeats, mode="scalar"):
             if fresh:
                 ray, β, position = source.ray(sampler, fresh)
-                ratio = channels.solo(β)
+                initial, ratio = dr.sum(β), channels.solo(β)
                 L, valid, depth, order = mi.Spectrum(0), mi.Bool(False), mi.UInt32(0), mi.UInt32(0)
                 last_delta = mi.Bool(True)
                 within, within_shape = mi.UInt32(0), mi.UInt32(0)
@@ -153,8 +154,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                 share = media.lookup(media.single_share, within)
                 β = mi.Spectrum(weight / jump.arriving(sigma_s / dr.maximum(sigma_t, 1e-30), share))
                 ratio = channels.solo(β)
-                place = media.kernels.place(within, sigma_t - sigma_s, sigma_s, g)
-                search, ray.o, ray.d = jump.begin(media.kernels, place, entry_p, entry_n, β, sampler, jumps)
+                search = jump.begin(dr.sum(weight) / initial, jumps)
 
         within = dr.select(escapes, outer, within)
         within_shape = dr.select(escapes, outer_shape, within_shape)
@@ -179,7 +179,6 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                         si, entry_side, entry_p, entry_n, β, sampler.next_1d(counts), counts,
                     )  # fmt: skip
                     ray.o = jump.advance(search, si, ray, searching)
-                    search.active &= si.is_valid()
                     landed = searching & ~search.active & (search.total > 0)
                     dead |= searching & ~search.active & ~landed
                     landing_weight = search.share * search.total
@@ -356,6 +355,15 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             following = at.spawn_ray(direction)
             following.time, following.wavelengths = time, wavelengths
             ray = dr.select(searching & ~landed, ray, following)
+
+        # --- Jump: its next chord ------------------------------------------------------------------------------------
+        if dr.hint(media.any_jump, mode="scalar"):
+            starts = search.active & (search.left == 0)
+            if starts:
+                place = media.kernels.place(within, sigma_t - sigma_s, sigma_s, g)
+                search, ray.o, ray.d = jump.chord(
+                    search, media.kernels, place, entry_p, entry_n, β, sampler, starts
+                )
 
         # --- End: roulette on what is left ---------------------------------------------------------------------------
         worth = dr.max(β / dr.sum(ratio))
