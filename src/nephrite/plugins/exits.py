@@ -38,3 +38,19 @@ def toward(
     m2, m4 = media.lookup(media.m2, number), media.lookup(media.m4, number)
     remembered = lobe.kernel(direction, to_light, normal, m2, m4, linear, quadratic)
     return mi.Spectrum(pdf * dr.select(landed, 1, remembered)), pdf
+
+
+def leave(normal: Any, eta: Any, normalization: Any, u: Any) -> tuple[Any, Any]:
+    """Choose a direction around `normal` by two uniform numbers; return it, and the lobe over the density there."""
+    local = mi.warp.square_to_cosine_hemisphere(u)
+    cosine = dr.maximum(local.z, 1e-6)
+    fresnel: Any = mi.fresnel
+    out = lobe.pdf(cosine, fresnel(cosine, eta)[0], normalization)
+    return mi.Frame3f(normal).to_world(local), out / mi.warp.square_to_cosine_hemisphere_pdf(local)
+
+
+def light_density(scene: Any, p: Any, si: Any, active: Any) -> Any:
+    """Density per solid angle at `p` with which one connection finds the emitter that `si` lies on."""
+    here: Any = dr.zeros(mi.Interaction3f)
+    here.p = p
+    return scene.pdf_emitter_direction(here, mi.DirectionSample3f(scene, si, here), active)

@@ -16,7 +16,7 @@ import mitsuba as mi
 from nephrite.bssrdf import lobe
 from nephrite.physics import phase
 from nephrite.plugins import channels, interface, jump
-from nephrite.plugins.exits import connection_count, toward
+from nephrite.plugins.exits import connection_count, leave, light_density, toward
 from nephrite.plugins.media import Media
 from nephrite.plugins.settings import Settings
 
@@ -192,12 +192,8 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             if dr.hint(s.hide_emitters, mode="scalar"):
                 sees &= depth > 0
             if sees:
-                last = dr.zeros(mi.Interaction3f)
-                last.p = last_p
-                ds = mi.DirectionSample3f(scene, si, last)
-                by_light = scene.pdf_emitter_direction(last, ds, ~last_delta)
-                by_chance = dr.select(last_delta, 1, _balance(last_pdf, connections * by_light))
-                L += weight * emitter.eval(si) * by_chance
+                by_light = connections * light_density(scene, last_p, si, ~last_delta)
+                L += weight * emitter.eval(si) * dr.select(last_delta, 1, _balance(last_pdf, by_light))
 
             goes_on = reaches & si.is_valid() & (depth + 1 < s.max_depth)
             valid |= reaches & si.is_valid()
@@ -259,14 +255,9 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             eta_exit = media.lookup(media.eta, from_number)
             normalization = media.lookup(media.normalization, from_number)
             normal = dr.select(landed, landing_n, outward)
-            around = mi.Frame3f(normal)
             if landed:
-                spread = mi.warp.square_to_cosine_hemisphere(sampler.next_2d(landed))
-                direction = around.to_world(spread)
-                chosen = mi.warp.square_to_cosine_hemisphere_pdf(spread)
-                cos_exit = dr.maximum(spread.z, 1e-6)
-                out = lobe.pdf(cos_exit, mi.fresnel(cos_exit, eta_exit)[0], normalization)
-                β = weight * landing_weight * out / chosen
+                direction, kept = leave(normal, eta_exit, normalization, sampler.next_2d(landed))
+                β = weight * landing_weight * kept
                 if dr.hint(media.directional is not None, mode="scalar"):
                     β *= media.directional.ratio(
                         within, sigma_t - sigma_s, sigma_s, entry_p, entry_n, entry_w, at.p, normal, direction
