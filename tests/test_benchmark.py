@@ -105,14 +105,14 @@ def test_ratios_are_taken_round_by_round() -> None:
 
 
 class Clock:
-    """Time that only rendering takes: `setup` a call, and one second a sample."""
+    """Time that only rendering takes: `setup` a call, and one second a sample, or `sample` of them."""
 
-    def __init__(self, setup: float) -> None:
-        self.now, self.setup, self.asked = 0.0, setup, []
+    def __init__(self, setup: float, sample: float = 1.0) -> None:
+        self.now, self.setup, self.sample, self.asked = 0.0, setup, sample, []
 
     def render(self, spp: int, seed: int) -> np.ndarray:
         self.asked.append((spp, seed))
-        self.now += self.setup + spp
+        self.now += self.setup + spp * self.sample
         return np.zeros((2, 2, 3))
 
 
@@ -132,6 +132,30 @@ def test_climbing_ends_in_time_and_repeats_no_seed() -> None:
     assert set(pictures) == {f"{side}{i}" for side in "ab" for i in range(5)}
     seeds = [seed for _, seed in clock.asked]
     assert len(seeds) == len(set(seeds))
+
+
+@pytest.mark.parametrize(
+    ("setup", "expected"), [(11.0, [128]), (100.0, [512]), (0.5, [1, 2, 4, 8, 16, 32, 64])]
+)
+def test_a_dear_precomputation_is_paid_for_once_a_picture_and_counted(
+    setup: float, expected: list[int]
+) -> None:
+    """It leaves 19 s of 30 a picture for samples of .125 s: 152; 100 s are more than 30, and as much is left
+    for samples; .5 s are not dear."""
+    clock = Clock(setup, 0.125)
+    levels, pictures = measure.climb(measure.Renderer(clock.render, "clock"), 100, 60.0, lambda: clock.now)
+    assert [level["spp"] for level in levels] == expected
+    assert [level["seconds"] for level in levels] == [setup + spp * 0.125 for spp in expected]
+    seeds = [seed for _, seed in clock.asked]
+    assert len(seeds) == len(set(seeds))
+    assert len(pictures) == 2 * len(expected)
+
+
+@pytest.mark.parametrize("sample", [4.0, 40.0])
+def test_dear_samples_are_no_precomputation(sample: float) -> None:
+    clock = Clock(0.1, sample)
+    levels, _ = measure.climb(measure.Renderer(clock.render, "clock"), 100, 60.0, lambda: clock.now)
+    assert levels[0]["spp"] == 1
 
 
 def test_memory_is_this_process_own() -> None:

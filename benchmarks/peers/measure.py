@@ -24,6 +24,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 _MOST_SAMPLES = 1 << 16
+_DEAR = 1 / 32  # share of the time: calls with one sample that take longer are looked into
+_PROBE = 4  # samples of the call that tells what a sample costs
 
 
 @dataclass
@@ -57,23 +59,32 @@ def climb(
 ) -> tuple[list[dict[str, Any]], dict[str, NDArray[np.float32]]]:
     """Render pairs of pictures with 1, 2, 4, ... samples a pixel until `seconds` would be exceeded.
 
+    A renderer that precomputes much at every call begins with as many samples as `seconds` allow.
+
     Returns:
         For each level `spp` and the `seconds` of one picture; and the pictures, `a0`, `b0`, `a1`, ..., two a level.
     """
+    number = -1
 
-    def timed(spp: int, number: int) -> tuple[NDArray[np.float32], float]:
+    def timed(spp: int) -> tuple[NDArray[np.float32], float]:
+        nonlocal number
+        number += 1
         before = clock()
         picture = renderer.call(spp, seed + number)
         return np.asarray(picture, np.float32), clock() - before
 
-    timed(1, 0)  # compiles, and loads what is loaded lazily
+    timed(1)  # compiles, and loads what is loaded lazily
+    spp, once = 1, 0.0
     start = clock()
-    once = min(timed(1, i)[1] for i in (1, 2)) if renderer.startup else 0.0
+    if renderer.startup:
+        spp, once = 2, min(timed(1)[1] for _ in range(2))
+    else:
+        spp = _first_level(timed, seconds)
+        start = clock()  # what it took to plan is not taken from the pictures
     levels: list[dict[str, Any]] = []
     pictures: dict[str, NDArray[np.float32]] = {}
-    spp, number = (2 if renderer.startup else 1), 3
     while spp <= _MOST_SAMPLES:
-        (a, first), (b, second) = timed(spp, number), timed(spp, number + 1)
+        (a, first), (b, second) = timed(spp), timed(spp)
         call = (first + second) / 2
         # a call with one sample has rendered one: n - 1 are left in the difference
         each = max(call - once, 1e-3) * spp / (spp - 1) if renderer.startup else call
@@ -81,8 +92,25 @@ def climb(
         levels.append({"spp": spp, "seconds": each, "call": call})
         if clock() - start + 4 * call > seconds:
             break
-        spp, number = 2 * spp, number + 2
+        spp *= 2
     return levels, pictures
+
+
+def _first_level(timed: Callable[[int], tuple[Any, float]], seconds: float) -> int:
+    """Return the samples to begin with: 1, or as many as two calls in `seconds` have time for.
+
+    The latter where a call costs much before its first sample: doubling from 1 would spend `seconds` on that. Samples
+    get as much time as what goes before them at least, even where that is more than half of `seconds`.
+    """
+    one = timed(1)[1]
+    if one < _DEAR * seconds:
+        return 1
+    sample = max((timed(_PROBE)[1] - one) / (_PROBE - 1), one / _MOST_SAMPLES)
+    fixed = one - sample
+    if fixed < one / 2:
+        return 1
+    affordable = max(seconds / 2 - fixed, fixed) / sample
+    return 1 << max(int(affordable), 1).bit_length() - 1  # a power of two: the same in all rounds
 
 
 def peak_memory() -> int:
