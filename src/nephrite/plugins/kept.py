@@ -46,7 +46,7 @@ class Kept:
             )
             self._objects, self._lights = objects, None
         transport = self._transport
-        transport.attach([shape for _, _, shape in members])
+        transport.lookup.attach([shape for _, _, shape in members])
         blocked = {
             number
             for (number, _, _), surface in zip(members, transport.surfaces, strict=True)

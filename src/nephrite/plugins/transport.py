@@ -17,20 +17,15 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-from nephrite.bssrdf import lobe
-from nephrite.physics.single import deep_share
 from nephrite.plugins import gathered, walked
 from nephrite.plugins.layout import at_nodes, free_paths, lay
-from nephrite.plugins.media import identity
+from nephrite.plugins.lookup import Lookup
 from nephrite.plugins.settings import NO_LIMIT
 from nephrite.transport.carried import Carried, Walks
-from nephrite.transport.nearby import Nearby
 
-REACH = 1.75  # of lookups, in spacings of nodes
 CONNECTIONS, PATHS = 64, 8  # per node
 ROUNDS = 4  # of light between translucent surfaces
 _LANES = 1 << 20
-_COSINES = (np.arange(64) + 0.5) / 64
 
 
 @dataclass
@@ -51,35 +46,18 @@ class Transport:
     def __init__(self, scene: Any, members: list[tuple[Any, Any]], walks: int) -> None:
         """Lay nodes on `members`, pairs of `media.Entry` and shape, and start about `walks` walks on each shape."""
         layouts = [lay(entry, shape, scene) for entry, shape in members]
-        self._nearby = Nearby([(points, normals, REACH * spacing) for points, normals, spacing in layouts])
-        self._at = at_nodes(self._nearby.points, self._nearby.normals)
+        self.lookup = Lookup(members, layouts)
         self.surfaces: list[Surface] = []
-        first = 0
-        for number, ((entry, shape), (points, _, spacing)) in enumerate(zip(members, layouts, strict=True)):
-            self.surfaces.append(self._walk(scene, entry, shape, number, first, len(points), spacing, walks))
-            first += len(points)
-        counts = [len(points) for points, _, _ in layouts]
-        self._which = mi.UInt32(np.repeat(np.arange(len(counts)), counts))
-        self._eta = mi.Float([entry.eta for entry, _ in members])
-        self._normalization = mi.Float([lobe.exit_lobe(entry.eta).normalization for entry, _ in members])
-        self._deep = mi.Float(
-            np.concatenate([deep_share(_COSINES, entry.g, entry.eta) for entry, _ in members])
-        )
-        self._values = dr.zeros(mi.Float, 12 * first)
-        self.attach([shape for _, shape in members])
-
-    def attach(self, shapes: list[Any]) -> None:
-        """Say which shapes the surfaces are: the same ones have other identities in a scene that is loaded again."""
-        ids = [identity(shape) for shape in shapes]
-        numbers = np.zeros(max(ids) + 1, np.uint32)
-        numbers[ids] = np.arange(len(ids))
-        self._number = mi.UInt32(numbers)
+        for number, ((entry, shape), (*_, spacing)) in enumerate(zip(members, layouts, strict=True)):
+            self.surfaces.append(self._walk(scene, entry, shape, number, spacing, walks))
+        self._values = dr.zeros(mi.Float, 12 * len(self.lookup.points))
 
     def _walk(
-        self, scene: Any, entry: Any, shape: Any, number: int, first: int, nodes: int, spacing: float, walks: int
+        self, scene: Any, entry: Any, shape: Any, number: int, spacing: float, walks: int
     ) -> Surface:  # fmt: skip
-        own = slice(first, first + nodes)
-        points, normals = self._nearby.points[own], self._nearby.normals[own]
+        own = self.lookup.own(number)
+        first, nodes = own.start, own.stop - own.start
+        points, normals = self.lookup.points[own], self.lookup.normals[own]
         each = max(1, walks // nodes)
         found = Carried(points, normals, spacing, float(free_paths(entry).min()), each)
         at, lost = at_nodes(points, normals), 0.0
@@ -92,7 +70,7 @@ class Transport:
             ends = walked.walk(scene, sampler, entry, here, shape)
             dr.eval(ends)
             used = dr.max(ends.weight) > 0
-            end = self._nearby.nearest(mi.UInt32(number), ends.p, ends.n, used) - first
+            end = self.lookup.nearby.nearest(mi.UInt32(number), ends.p, ends.n, used) - first
             found.add(Walks(start, end, dr.norm(ends.p - here.p), ends.weight, ends.out, ends.back))
             lost += float(dr.sum(dr.max(ends.lost))[0]) / (nodes * each)
         found.finish()
@@ -104,11 +82,11 @@ class Transport:
         s.hide_emitters = s.reduced = s.single = s.multiple = True
         s.max_depth = s.max_depth if s.max_depth == NO_LIMIT else s.max_depth - 1
         self._values = dr.zeros(mi.Float, dr.width(self._values))
-        connected = gathered.direct(scene, self._at, self._sensitivity, CONNECTIONS)
-        seen = np.zeros((dr.width(self._at.p), 4, 1))
+        connected = gathered.direct(scene, self.lookup.at, self.lookup.sensitivity, CONNECTIONS)
+        seen = np.zeros((len(self.lookup.points), 4, 1))
         before = last = np.zeros(())
         for _ in range(ROUNDS):
-            found = gathered.indirect(s, scene, media, self._at, self._sensitivity, PATHS)
+            found = gathered.indirect(s, scene, media, self.lookup.at, self.lookup.sensitivity, PATHS)
             now = self._carry([a + b for a, b in zip(connected, found, strict=True)])
             before, last, seen = last, now - seen, now
             self._put(seen)
@@ -125,33 +103,16 @@ class Transport:
             found.append(surface.carried.apply([dr.gather(mi.Spectrum, one, own) for one in arriving]))
         return np.concatenate(found)
 
-    def _sensitivity(self, node: Any, cosine: Any) -> Any:
-        """How much light at an angle counts for multiple scattering, as a density over the projected solid angle."""
-        which = dr.gather(mi.UInt32, self._which, node)
-        fresnel: Any = mi.fresnel
-        through = 1.0 - fresnel(cosine, dr.gather(mi.Float, self._eta, which))[0]
-        return (
-            dr.inv_pi * through / dr.gather(mi.Float, self._normalization, which) * self._depth(which, cosine)
-        )
-
-    def _depth(self, which: Any, cosine: Any) -> Any:
-        """Light at this angle that scatters twice, over its mean: `deep_share`, by its table."""
-        spot = dr.clip(cosine * len(_COSINES) - 0.5, 0.0, len(_COSINES) - 1.001)
-        first = mi.UInt32(spot)
-        a, b = (dr.gather(mi.Float, self._deep, which * len(_COSINES) + first + i) for i in range(2))
-        return dr.lerp(a, b, spot - first)
-
     def _put(self, values: NDArray) -> None:
         three = np.broadcast_to(values, (*values.shape[:2], 3))  # a monochromatic variant has one channel
         self._values = mi.Float(three.astype(np.float32).ravel())
 
     def radiance(self, si: Any, normal: Any, direction: Any, active: Any) -> Any:
         """Return V at entries `si`, with outward `normal`, of paths that came from `direction`."""
-        index: Any = dr.reinterpret_array(mi.UInt32, si.shape)
-        which = dr.gather(mi.UInt32, self._number, index, active)
-        mean, *moments = self._nearby.mean(which, si.p, normal, self._values, active)
+        which = self.lookup.number(si.shape, active)
+        mean, *moments = self.lookup.nearby.mean(which, si.p, normal, self._values, active)
         tangential = direction - normal * dr.dot(direction, normal)
         for moment, component in zip(moments, tangential, strict=True):
             mean += component * moment
-        mean = dr.maximum(mean, 0) * self._depth(which, dr.dot(direction, normal))
+        mean = dr.maximum(mean, 0) * self.lookup.depth(which, dr.dot(direction, normal))
         return mi.Spectrum(mean.x) if mi.is_monochromatic else mi.Spectrum(mean)

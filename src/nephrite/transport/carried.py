@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nephrite.transport.nodes import smoothing
+from nephrite.transport.pyramid import Ends
 
 BLUR = 0.2  # width of the mean of what walks bring, per least distance between their ends
 EVEN = 0.4  # width of the mean of how much walks bring in even light, per greatest distance
@@ -62,6 +63,14 @@ class Carried:
         level = mi.UInt32(dr.clip(level, 0, LEVELS - 1))
         dr.eval(walks.start, walks.end, walks.weight, walks.out, walks.back, level)
         self._walks.append((walks, level))
+
+    def ends(self) -> Ends:
+        """Return all walks as plain arrays."""
+        parts = [
+            (walks.start, walks.end, walks.weight, walks.out, walks.back, level)
+            for walks, level in self._walks
+        ]
+        return Ends(*(np.concatenate([np.array(x).T for x in part]) for part in zip(*parts, strict=True)))
 
     def finish(self) -> None:
         """Find how much more, or less, walks bring in even light than they do around."""

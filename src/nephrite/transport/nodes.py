@@ -13,6 +13,10 @@ DENSITY = 0.7
 """Nodes per squared spacing that `spread` leaves, about."""
 
 _BALANCING = 30  # rounds of scaling; errors are below 1e-5 then
+_MOST_NEAR = (
+    16  # nodes that a point looks at: on both sides of a thin part, about as many as lie within reach
+)
+_FAR_SIDE = 1e-6  # weight of nodes that face away
 
 
 def spread(points: NDArray, normals: NDArray, spacing: float, seed: int = 0) -> NDArray[np.int64]:
@@ -59,3 +63,24 @@ def smoothing(points: NDArray, normals: NDArray, width: float) -> Any:
         scale = np.sqrt(scale / (matrix @ scale))
     scaled = sparse.diags(scale) @ matrix @ sparse.diags(scale)
     return sparse.csr_matrix(scaled).astype(np.float32)
+
+
+def interpolation(points: NDArray, normals: NDArray, nodes: NDArray, facing: NDArray, reach: float) -> Any:
+    """Return the matrix, [points, nodes], whose rows are means over the nodes within `reach`, smooth in the point.
+
+    `facing`: normals of the nodes; those that face away count only where there are no others, and where there are
+    none at all, the nearest.
+    """
+    count = min(_MOST_NEAR, len(nodes))
+    distance, index = KDTree(nodes).query(points, k=count, workers=-1)
+    distance, index = distance.reshape(-1, count), index.reshape(-1, count)
+    inside = np.maximum(1.0 - np.square(distance / reach), 0.0) ** 3
+    inside[:, 0] = np.maximum(inside[:, 0], 1e-12)
+    weight = inside * np.maximum(np.einsum("ij,ikj->ik", normals, facing[index]), _FAR_SIDE)
+    weight /= weight.sum(axis=1, keepdims=True)
+    rows = np.repeat(np.arange(len(points)), count)
+    matrix = sparse.csr_matrix(
+        (weight.ravel().astype(np.float32), (rows, index.ravel())), shape=(len(points), len(nodes))
+    )
+    matrix.eliminate_zeros()
+    return matrix
