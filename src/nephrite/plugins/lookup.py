@@ -48,13 +48,18 @@ class Lookup:
         """Say which shapes the surfaces are: the same ones have other identities in a scene that is loaded again."""
         ids = [identity(shape) for shape in shapes]
         numbers = np.zeros(max(ids) + 1, np.uint32)
-        numbers[ids] = np.arange(len(ids))
+        numbers[ids] = np.arange(len(ids)) + 1
         self._number = mi.UInt32(numbers)
 
     def number(self, shape: Any, active: Any) -> Any:
         """Return which surfaces the shapes of a `ShapePtr` array are."""
         index: Any = dr.reinterpret_array(mi.UInt32, shape)
-        return dr.gather(mi.UInt32, self._number, index, active)
+        return dr.gather(mi.UInt32, self._number, index, active) - 1
+
+    def known(self, shape: Any) -> Any:
+        """Return whether the shapes of a `ShapePtr` array are surfaces with nodes."""
+        index: Any = dr.reinterpret_array(mi.UInt32, shape)
+        return dr.gather(mi.UInt32, self._number, index, index < dr.width(self._number)) > 0
 
     def sensitivity(self, node: Any, cosine: Any) -> Any:
         """How much light at an angle counts for multiple scattering, as a density over the projected solid angle."""

@@ -30,12 +30,13 @@ _LANES = 1 << 20
 
 @dataclass
 class Surface:
-    """One translucent shape: the index of the first of its nodes, and what walks carry between them.
+    """One translucent shape: the index of the first of its nodes, their spacing, and what walks carry between them.
 
     `lost`: share of the light that other objects inside took.
     """
 
     first: int
+    spacing: float
     carried: Carried
     lost: float
 
@@ -74,7 +75,7 @@ class Transport:
             found.add(Walks(start, end, dr.norm(ends.p - here.p), ends.weight, ends.out, ends.back))
             lost += float(dr.sum(dr.max(ends.lost))[0]) / (nodes * each)
         found.finish()
-        return Surface(first, found, lost)
+        return Surface(first, spacing, found, lost)
 
     def relight(self, settings: Any, scene: Any, media: Any) -> None:
         """Find what arrives from the present lights, and what comes of it; `media` looks it up here."""

@@ -1,0 +1,201 @@
+"""Transport as it is kept in a file: nodes and operators of each surface, and the key of mesh and medium."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import os
+import zipfile
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from nephrite.errors import ParameterError
+from nephrite.image import write
+from nephrite.plugins import auto
+from nephrite.plugins.media import WALK, Media
+from nephrite.plugins.transport import Transport
+from nephrite.plugins.winding import triangles
+from nephrite.transport.pyramid import Pyramid
+
+FORMAT = "nephrite transport 1"
+LOST = 0.01  # of the light that enters a shape: what other objects in it may take
+
+Key = dict[str, Any]
+
+
+@dataclass
+class Precomputed:
+    """What light does under the surfaces of a scene, whatever its lights and camera.
+
+    `layouts`: nodes, normals and spacing of each surface (see `plugins.lookup`); `operators`: one a surface; `keys`:
+    what they belong to.
+    """
+
+    layouts: list[tuple[NDArray, NDArray, float]]
+    operators: list[Pyramid]
+    keys: list[Key]
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Write a file, NumPy's NPZ, in one step; raises `ParameterError` if the path cannot be written."""
+        arrays: dict[str, NDArray] = {}
+        for i, ((points, normals, spacing), operator) in enumerate(
+            zip(self.layouts, self.operators, strict=True)
+        ):
+            arrays |= {f"{i}.points": points, f"{i}.normals": normals, f"{i}.spacing": np.array(spacing)}
+            for name, matrix in _matrices(operator).items():
+                arrays |= {
+                    f"{i}.{name}.{part}": getattr(matrix, part) for part in ("data", "indices", "indptr")
+                }
+                arrays[f"{i}.{name}.shape"] = np.array(matrix.shape)
+        about = json.dumps({"format": FORMAT, "keys": self.keys})
+        stream = io.BytesIO()
+        np.savez(stream, about=np.array(about), **arrays)  # type: ignore[arg-type]
+        write.save_bytes(path, stream.getvalue())
+
+    def check(self, members: list[tuple[Any, Any]]) -> None:
+        """Raise `ParameterError`, naming what differs, unless this belongs to `members`, entries and shapes."""
+        own = keys(members)
+        if len(own) != len(self.keys):
+            raise ParameterError(
+                f"the transport is that of {len(self.keys)} translucent shapes, but the scene has {len(own)}: "
+                "precompute it for this scene."
+            )
+        for number, (there, here) in enumerate(zip(self.keys, own, strict=True)):
+            for name, value in here.items():
+                if there[name] != value:
+                    shown = "" if name == "shape" else f": {there[name]} there, {value} here"
+                    raise ParameterError(
+                        f"the transport does not belong to shape {number + 1} of the scene: another {name}{shown}. "
+                        "Precompute it for this scene."
+                    )
+
+
+def precompute(scene: Any, walks: int = 3_000_000) -> Precomputed:
+    """Walk through all translucent objects of a scene, `walks` times each.
+
+    Raises `ParameterError` for objects that transport does not hold for.
+    """
+    members = surfaces(scene)
+    found = Transport(scene, members, walks)
+    for (_, shape), surface in zip(members, found.surfaces, strict=True):
+        if surface.lost > LOST:
+            raise ParameterError(
+                f"shape {shape.id()!r} has another object inside: transport does not know of it. Take it out, or "
+                "render the scene with translucent_path."
+            )
+    layouts, operators = [], []
+    for number, surface in enumerate(found.surfaces):
+        own = found.lookup.own(number)
+        layout = found.lookup.points[own], found.lookup.normals[own], surface.spacing
+        layouts.append(layout)
+        operators.append(Pyramid.of(*layout, surface.carried.ends(), surface.carried.each))
+    return Precomputed(layouts, operators, keys(members))
+
+
+def surfaces(scene: Any) -> list[tuple[Any, Any]]:
+    """Return the translucent surfaces of a scene: pairs of `media.Entry` and shape.
+
+    Raises `ParameterError` where there are none, and for those that transport does not hold for.
+    """
+    media = Media.of(scene)
+    for entry, choice, model in zip(
+        media.entries, auto.choose("transport", media, scene), media.models, strict=True
+    ):
+        if model == WALK:
+            raise ParameterError(
+                f"transport does not hold for {entry.name!r}: {choice.reason}. Render the scene with "
+                "translucent_path."
+            )
+    members = [(entry, shape) for entry in media.entries for shape in entry.shapes]
+    if not members:
+        raise ParameterError("the scene has no translucent object: give a shape the BSDF `translucent`.")
+    return members
+
+
+def keys(members: list[tuple[Any, Any]]) -> list[Key]:
+    """Return what transport depends on, for each surface: the same in every process."""
+    found = []
+    for entry, shape in members:
+        sigma_a, sigma_s = entry.mean_coefficients()
+        digest = hashlib.sha256(shape.class_name().encode())
+        if shape.is_mesh():
+            for array in triangles(shape):
+                digest.update(np.ascontiguousarray(array).tobytes())
+        else:
+            corners = [*np.ravel(shape.bbox().min), *np.ravel(shape.bbox().max), *np.ravel(shape.surface_area())]
+            digest.update(",".join(f"{x:.5g}" for x in corners).encode())
+        found.append(
+            {
+                "shape": digest.hexdigest(),
+                "sigma_a": [float(f"{x:.5g}") for x in sigma_a],
+                "sigma_s": [float(f"{x:.5g}") for x in sigma_s],
+                "g": round(float(entry.g), 6),
+                "eta": round(float(entry.eta), 6),
+            }
+        )
+    return found
+
+
+def load(path: str | os.PathLike) -> Precomputed:
+    """Read what `Precomputed.save` has written; raises `ParameterError` for any other file, or a damaged one."""
+    name = os.fspath(path)
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            about = json.loads(str(file["about"]))
+            if about["format"] != FORMAT:
+                raise ParameterError(
+                    f"{name!r} is of the format {about['format']!r}, not {FORMAT!r}: save it anew with this version."
+                )
+            arrays = {key: file[key] for key in file.files}
+        layouts, operators = [], []
+        for i in range(len(about["keys"])):
+            layouts.append(
+                (arrays[f"{i}.points"], arrays[f"{i}.normals"], float(arrays[f"{i}.spacing"]))
+            )
+            operators.append(_operator(arrays, f"{i}."))
+    except FileNotFoundError as error:
+        raise ParameterError(f"there is no file {name!r}: save transport there first.") from error
+    except ParameterError:
+        raise
+    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+        raise ParameterError(
+            f"{name!r} holds no transport, or is damaged ({error}): save it anew."
+        ) from error
+    return Precomputed(layouts, operators, about["keys"])
+
+
+def _matrices(operator: Pyramid) -> dict[str, Any]:
+    """Return the matrices of an operator by name."""
+    found = {"smooth": operator.smooth} | {f"up{i}": up for i, up in enumerate(operator.ups)}
+    for name, grids in (("mean", operator.means), ("moment", operator.moments)):
+        for grid, kernels in enumerate(grids):
+            for channel, kernel in enumerate(kernels or []):
+                found[f"{name}{grid}.{channel}"] = kernel
+    return found
+
+
+def _operator(arrays: dict[str, NDArray], prefix: str) -> Pyramid:
+    """Return the operator that `_matrices` has named."""
+
+    def matrix(name: str) -> Any:
+        parts = [arrays[f"{prefix}{name}.{part}"] for part in ("data", "indices", "indptr")]
+        return sparse.csr_matrix(tuple(parts), shape=tuple(arrays[f"{prefix}{name}.shape"]))
+
+    def kernels(name: str) -> list[Any] | None:
+        channels = [c for c in range(3) if f"{prefix}{name}.{c}.data" in arrays]
+        return [matrix(f"{name}.{c}") for c in channels] or None
+
+    grids = 1
+    while f"{prefix}up{grids - 1}.data" in arrays:
+        grids += 1
+    return Pyramid(
+        [matrix(f"up{i}") for i in range(grids - 1)],
+        [kernels(f"mean{i}") for i in range(grids)],
+        [kernels(f"moment{i}") for i in range(grids)],
+        matrix("smooth"),
+    )

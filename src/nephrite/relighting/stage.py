@@ -1,0 +1,81 @@
+"""The scene as a viewer sees it: solid things that stay, and lamps, which may move."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from nephrite.errors import ParameterError
+
+
+class Lamp:
+    """One light: a shape that emits, a point, a direction, or the environment.
+
+    `parameters`: Mitsuba's, of the shape or the emitter. After `update()` the light is there; a whole scene's
+    parameters would build the scene's search tree anew.
+    """
+
+    def __init__(self, emitter: Any, shape: Any) -> None:
+        """Hold the emitter, and its shape or None."""
+        self.emitter, self.shape = emitter, shape
+        owner = emitter if shape is None else shape
+        self.name = owner.id()
+        self.parameters = mi.traverse(owner)
+
+    def state(self) -> bytes:
+        """Return a digest of where it is and how it shines."""
+        found = hashlib.blake2b()
+        for name, value in self.parameters:
+            value = getattr(value, "matrix", value)
+            found.update(str(name).encode())
+            found.update(np.ascontiguousarray(np.array(value)).tobytes())
+        return found.digest()
+
+    def sent(self, solid: Any, at: Any, u: Any) -> tuple[Any, Any]:
+        """Sample what arrives at interactions: the direction to the light, and radiance over its density."""
+        ds, light = self.emitter.sample_direction(at, u, True)
+        ray = at.spawn_ray(ds.d) if self.emitter.is_environment() else at.spawn_ray_to(ds.p)
+        arrives = (ds.pdf > 0) & (dr.dot(ds.d, at.n) * dr.dot(at.n, at.sh_frame.n) > 0)
+        arrives &= ~solid.ray_test(ray, arrives)
+        return ds.d, dr.select(arrives, light, 0)
+
+    def seen(self, ray: Any) -> Any:
+        """Return the radiance that comes along rays, which end where a solid thing is."""
+        if self.emitter.is_environment():
+            si: Any = dr.zeros(mi.SurfaceInteraction3f, dr.width(ray.d))
+            si.wi = -ray.d
+            return dr.select(ray.maxt == dr.largest(mi.Float), self.emitter.eval(si), 0)
+        if self.shape is None:
+            return mi.Spectrum(0)
+        si = mi.load_dict({"type": "scene", "lamp": self.shape}).ray_intersect(ray)
+        return dr.select(si.is_valid(), self.emitter.eval(si), 0)
+
+
+class Stage:
+    """`solid`: a scene of all shapes that do not emit; `lamps`: the lights, by name."""
+
+    def __init__(self, scene: Any) -> None:
+        """Take a scene apart; raises `ParameterError` for surfaces that a viewer does not show."""
+        shapes = list(scene.shapes())
+        for shape in shapes:
+            _check(shape)
+        kept = {f"shape {i}": shape for i, shape in enumerate(shapes) if not shape.is_emitter()}
+        self.solid = mi.load_dict({"type": "scene", **kept}, optimize=False)
+        own = [(shape.emitter(), shape) for shape in shapes if shape.is_emitter()]
+        own += [(emitter, None) for emitter in scene.emitters() if emitter.get_shape() is None]
+        self.lamps = {lamp.name: lamp for lamp in (Lamp(*pair) for pair in own)}
+
+
+def _check(shape: Any) -> None:
+    bsdf = shape.bsdf()
+    if shape.is_emitter() or bsdf is None or shape.interior_medium() is not None:
+        return
+    if "translucent" not in type(bsdf).__name__.lower() and mi.has_flag(bsdf.flags(), mi.BSDFFlags.Delta):
+        raise ParameterError(
+            f"shape {shape.id()!r} is a mirror or glass without a medium: a viewer shows none. Render the scene with "
+            "translucent_path."
+        )

@@ -1,0 +1,206 @@
+"""A scene in front of a camera whose lights may move: a picture in a fraction of a second."""
+
+from __future__ import annotations
+
+import os
+import time
+from typing import Any
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+from numpy.typing import NDArray
+
+from nephrite.errors import VariantError, unknown_name
+from nephrite.plugins.lookup import Lookup
+from nephrite.plugins.media import Media
+from nephrite.relighting import precomputed
+from nephrite.relighting.arrivals import Arrived, Gather
+from nephrite.relighting.precomputed import Precomputed
+from nephrite.relighting.stage import Stage
+from nephrite.relighting.surroundings import Surroundings, interreflection
+from nephrite.relighting.view import View
+from nephrite.transport.pyramid import averaging
+
+FIRST_TURNS = 16  # of an environment: its light comes from all sides
+
+
+class Viewer:
+    """Shows a scene again and again, with transport in place; see `frame`.
+
+    Objects, their media and all that does not shine stay as they were when the viewer was made; lights may move and
+    change (`lights`), and so may the camera. Only `rgb` variants.
+    """
+
+    def __init__(
+        self, scene: Any, transport: Precomputed | str | os.PathLike | None = None, *, walks: int = 3_000_000,
+        sensor: int = 0,
+    ) -> None:  # fmt: skip
+        """Prepare all that does not depend on the lights.
+
+        Args:
+            scene: A Mitsuba scene.
+            transport: What `precompute` or `load` has returned, or a file; it is precomputed if there is none.
+            walks: For each object, if it is to be precomputed.
+            sensor: Which of the scene's.
+
+        Raises:
+            ParameterError: A part of the scene that a viewer does not show, or a transport of another scene.
+            VariantError: The variant is not one of `rgb`.
+        """
+        if not mi.is_rgb or mi.is_polarized:
+            raise VariantError(f"a viewer runs in rgb variants, such as llvm_ad_rgb, not in {mi.variant()}.")
+        self._stage = Stage(scene)
+        self._members = precomputed.surfaces(scene)
+        if transport is None:
+            transport = precomputed.precompute(scene, walks)
+        elif not isinstance(transport, Precomputed):
+            transport = precomputed.load(transport)
+        transport.check(self._members)
+        self.transport = transport
+        self._sensor, self._media = scene.sensors()[sensor], Media.of(scene)
+        with dr.suspend_grad():
+            self._lookup = Lookup(self._members, transport.layouts)
+            self._surroundings = Surroundings(self._stage.solid, self._lookup, self._members)
+            self._albedo, self._kept = self._single()
+            self._coarse()
+        self._camera = b""
+        self._states: dict[str, bytes] = {}
+        self._arrived: dict[str, tuple[Arrived, int]] = {}
+        self.seconds: dict[str, float] = {}
+
+    @property
+    def lights(self) -> dict[str, Any]:
+        """Mitsuba's parameters of each light, by its name; change them, call their `update()`, and then `frame`."""
+        return {name: lamp.parameters for name, lamp in self._stage.lamps.items()}
+
+    def light(self, name: str) -> Any:
+        """Return the parameters of one light; raises `ParameterError` for an unknown name."""
+        if name not in self._stage.lamps:
+            raise unknown_name("light", name, self._stage.lamps)
+        return self._stage.lamps[name].parameters
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Write the transport into a file, from which another viewer takes it."""
+        self.transport.save(path)
+
+    def frame(self) -> NDArray[np.float32]:
+        """Return the picture, [height, width, 3], linear light, under the lights as they are now.
+
+        Lights that have changed since the last frame are sampled anew, by the same few points each time; where none
+        has, further points are added to those of the frames before, and the picture gets better.
+        """
+        with dr.suspend_grad():
+            self._look()
+            total = self._gather()
+            return self._show(total)
+
+    def _look(self) -> None:
+        """Find what the camera sees, if it has moved."""
+        start = time.perf_counter()
+        digest = _state(self._sensor)
+        if digest != self._camera:
+            self.view = View(
+                self._stage.solid, self._sensor, self._lookup, self._surroundings, self.transport.layouts, self._media
+            )
+            entries = [entry for entry, _ in self._members]
+            self._gathering = Gather(self._stage.solid, self._lookup, self._surroundings, self.view, entries)
+            self._camera = digest
+            self._states, self._arrived = {}, {}
+        self.seconds["camera"] = time.perf_counter() - start
+
+    def _gather(self) -> Arrived:
+        """Return what arrives from all lights."""
+        start = time.perf_counter()
+        states = {name: lamp.state() for name, lamp in self._stage.lamps.items()}
+        changed = [name for name in states if states[name] != self._states.get(name)]
+        for name in changed or states:
+            lamp = self._stage.lamps[name]
+            if name in changed:
+                turns = FIRST_TURNS if lamp.emitter.is_environment() else 1
+                arrived, count = self._gathering.turn(lamp, 0), 1
+            else:
+                turns, (arrived, count) = 1, self._arrived[name]
+                turns += count
+            while count < turns:
+                more = self._gathering.turn(lamp, count)
+                arrived, count = arrived * (count / (count + 1)) + more * (1 / (count + 1)), count + 1
+            self._arrived[name] = arrived, count
+        self._states = states
+        first, *others = (arrived for arrived, _ in self._arrived.values())
+        for other in others:
+            first = first + other
+        self.seconds["lights"] = time.perf_counter() - start
+        return first
+
+    def _show(self, arrived: Arrived) -> NDArray[np.float32]:
+        """Return the picture that comes of what arrives."""
+        start = time.perf_counter()
+        view, around = self.view, self._surroundings
+        radiance = around.albedo * arrived.stations
+        more = around.from_nodes.stations @ radiance
+        more = more + self._between(arrived.nodes[:, 0] + more)
+        nodes = arrived.nodes.copy()
+        nodes[:, 0] += more
+        carried = np.concatenate(
+            [operator.apply(nodes[self._lookup.own(i)]) for i, operator in enumerate(self.transport.operators)]
+        )
+        self.seconds["transport"] = time.perf_counter() - start
+        start = time.perf_counter()
+        once = self._albedo * (arrived.plain - self._kept * arrived.nodes[:, 0] + (1 - self._kept) * more)
+        sent = carried[:, 0] + once
+        n = self._lookup.normals
+        tangential = (view.toward - n * np.einsum("ij,ij->i", n, view.toward)[:, None]).astype(np.float32)
+        shown = carried[:, 0] + np.einsum("ij,ijk->ik", tangential, carried[:, 1:])
+        shown = np.maximum(shown, 0) + self._albedo * (arrived.single + (1 - self._kept) * more)
+        radiance = radiance + around.albedo * (
+            around.from_stations.nodes @ sent + around.from_stations.stations @ radiance
+        )
+        picture = arrived.picture + view.nodes @ shown
+        for c in range(3):
+            picture[:, c] += view.reflected[0][c] @ np.ascontiguousarray(sent[:, c])
+            picture[:, c] += view.reflected[1][c] @ np.ascontiguousarray(radiance[:, c])
+        if view.seen is not None:
+            points = view.mean @ (arrived.points + view.seen.nodes @ sent + view.seen.stations @ radiance)
+            picture[view.pixel] += view.share[:, None] * view.albedo * points
+        self.seconds["picture"] = time.perf_counter() - start
+        return picture.reshape(view.height, view.width, 3).astype(np.float32)
+
+    def _single(self) -> tuple[NDArray, NDArray]:
+        """Return, for each node, the albedo per channel, and the share of light that scatters again after one event."""
+        albedo, kept = [], []
+        for i, (entry, _) in enumerate(self._members):
+            sigma_a, sigma_s = entry.mean_coefficients()
+            own = self._lookup.own(i)
+            albedo.append(np.tile(sigma_s / (sigma_a + sigma_s), (own.stop - own.start, 1)))
+            kept.append(np.full((own.stop - own.start, 1), 1.0 - entry.single_share))
+        return np.concatenate(albedo).astype(np.float32), np.concatenate(kept).astype(np.float32)
+
+    def _coarse(self) -> None:
+        """Prepare what comes of light that goes from object to object, or over stations and back."""
+        from scipy import linalg, sparse
+
+        operators = self.transport.operators
+        up = sparse.block_diag([operator.up(len(operator.ups)) for operator in operators], "csr")
+        down = averaging(up)
+        transport = [linalg.block_diag(*parts) for parts in zip(*(o.coarse() for o in operators), strict=True)]
+        around = self._surroundings
+        single = down @ (self._albedo * (1.0 - self._kept))
+        direct = down @ around.from_nodes.nodes @ up
+        again = []
+        for c in range(3):
+            over = sparse.diags(around.albedo[:, c]) @ (around.from_stations.nodes @ up)
+            again.append((direct + (down @ around.from_nodes.stations) @ over).toarray())
+        self._up, self._down = up.astype(np.float32), down.tocsr().astype(np.float32)
+        self._further = interreflection(transport, single, again)
+
+    def _between(self, arriving: NDArray) -> NDArray:
+        """Return what arrives after one or more further surfaces, of what arrives first."""
+        coarse = self._down @ arriving
+        return self._up @ np.stack([self._further[c] @ coarse[:, c] for c in range(3)], axis=1)
+
+
+def _state(sensor: Any) -> bytes:
+    """Return what a camera's picture depends on."""
+    values = [getattr(value, "matrix", value) for _, value in mi.traverse(sensor)]
+    return b"".join(np.ascontiguousarray(np.array(value)).tobytes() for value in values)
