@@ -10,11 +10,10 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-from nephrite.physics import phase
 from nephrite.plugins.lookup import Lookup
 from nephrite.relighting.samples import Sequence, along
 from nephrite.relighting.stage import Lamp
-from nephrite.relighting.surroundings import Surroundings
+from nephrite.relighting.surroundings import Open, Surroundings
 from nephrite.relighting.view import View
 
 FOR_NODE, FOR_STATION = 2, 4  # samples a turn
@@ -24,13 +23,11 @@ FOR_NODE, FOR_STATION = 2, 4  # samples a turn
 class Arrived:
     """What has arrived, [points, channels] each, of which `nodes` is [nodes, 4, channels]: see `surroundings`.
 
-    `plain`: at nodes, as the lobe sees it without preference for steep light; `single`: sent to the camera after one
-    event; `stations`: irradiance / pi; `points`: radiance sent to the camera, per albedo; `picture`: lamps seen.
+    `plain`: at nodes, as the lobe sees it without preference for steep light; `stations`: irradiance / pi; `points`: radiance sent to the camera, per albedo; `picture`: lamps seen.
     """
 
     nodes: NDArray
     plain: NDArray
-    single: NDArray
     stations: NDArray
     points: NDArray
     picture: NDArray
@@ -47,32 +44,33 @@ class Arrived:
 class Gather:
     """Collects arrivals at the points of a scene and a view."""
 
-    def __init__(self, solid: Any, lookup: Lookup, surroundings: Surroundings, view: View, media: list[Any]) -> None:
-        """Lay out the samples; `media`: an entry for each surface."""
+    def __init__(self, solid: Any, lookup: Lookup, surroundings: Surroundings, view: View) -> None:
+        """Lay out the samples."""
         self._solid, self._lookup, self._surroundings, self._view = solid, lookup, surroundings, view
         self._on_nodes = along(len(lookup.points))
         self._on_stations: Sequence = along(surroundings.count)
         which = lookup.which
         self._eta = dr.gather(mi.Float, lookup.eta, which)
         self._normalization = dr.gather(mi.Float, lookup.normalization, which)
-        self._g = dr.gather(mi.Float, mi.Float([float(entry.g) for entry in media]), which)
-        self._out = self._inside(mi.Vector3f(view.toward.T))
-        dr.eval(self._eta, self._normalization, self._g, self._out)
+        dr.eval(self._eta, self._normalization)
 
     def turn(self, lamp: Lamp, turn: int) -> Arrived:
         """Return what the samples of one turn bring."""
         found = [*self._nodes(lamp, turn), self._stations(lamp, turn), self._points(lamp, turn), self._picture(lamp)]
         dr.eval(found)
         arrays = [np.array(one).T for one in found]
+        if self._surroundings.open is not None:
+            reflected = np.array(_along(lamp, self._surroundings.open, len(self._lookup.points))).T
+            arrays[0], arrays[4] = arrays[0] + reflected, arrays[4] + reflected
         return Arrived(np.stack(arrays[:4], axis=1), *arrays[4:])
 
     def _nodes(self, lamp: Lamp, turn: int) -> list[Any]:
-        """Return `nodes`, as a mean and three moments, `plain` and `single`."""
+        """Return `nodes`, as a mean and three moments, and `plain`."""
         at, lookup = self._lookup.at, self._lookup
         node = dr.arange(mi.UInt32, len(lookup.points))
         n = mi.Vector3f(at.n)
         sums = [mi.Spectrum(0) for _ in range(4)]
-        plain, single = mi.Spectrum(0), mi.Spectrum(0)
+        plain = mi.Spectrum(0)
         for i in range(FOR_NODE):
             d, light = lamp.sent(self._solid, at, self._on_nodes(FOR_NODE * turn + i))
             cosine = dr.maximum(dr.dot(d, n), 0)
@@ -83,24 +81,7 @@ class Gather:
             for j, factor in enumerate((mi.Float(1), *tangential)):
                 sums[j] += deep * factor
             plain += light * (dr.inv_pi * through / self._normalization)
-            single += light * (through * self._once(self._inside(d), n))
-        return [*sums, plain, single]
-
-    def _inside(self, d: Any) -> Any:
-        """Return directions to the outside, refracted, as they are within."""
-        n = mi.Vector3f(self._lookup.at.n)
-        cosine = dr.maximum(dr.dot(d, n), 0)
-        tangential = (d - n * dr.dot(d, n)) / self._eta
-        return tangential + n * dr.safe_sqrt(1 - (1 - dr.square(cosine)) / dr.square(self._eta))
-
-    def _once(self, incident: Any, n: Any) -> Any:
-        """Light that a half-space scatters once towards the camera, per albedo and unit of flux that has entered.
-
-        Chandrasekhar (1960), section 14: p / (mu + mu_i), and 1 / eta^2 for the wider cone outside.
-        """
-        turned = -dr.dot(incident, self._out)
-        p = phase.pdf(turned, self._g)
-        return p / ((dr.dot(incident, n) + dr.dot(self._out, n)) * dr.square(self._eta))
+        return [*sums, plain]
 
     def _stations(self, lamp: Lamp, turn: int) -> Any:
         total = mi.Spectrum(0)
@@ -119,7 +100,11 @@ class Gather:
         return light * view.at.bsdf().eval(mi.BSDFContext(), view.at, view.at.to_local(d)) * view.inverse
 
     def _picture(self, lamp: Lamp) -> Any:
-        rays = self._view.open
-        total = dr.zeros(mi.Spectrum, self._view.pixels)
-        dr.scatter_add(total, rays.weight * lamp.seen(rays.ray), rays.pixel)
-        return total
+        return _along(lamp, self._view.open, self._view.pixels)
+
+
+def _along(lamp: Lamp, rays: Open, count: int) -> Any:
+    """Return what comes from a lamp itself along rays, summed over those of each of `count` owners."""
+    total = dr.zeros(mi.Spectrum, count)
+    dr.scatter_add(total, rays.weight * lamp.seen(rays.ray), rays.owner)
+    return total

@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.spatial import KDTree
 
+from nephrite.plugins import interface
+
 STATIONS = 8192
 FROM_NODES, FROM_STATIONS, FROM_PIXELS = 16, 64, 16  # rays from each
 
@@ -46,17 +48,18 @@ class Surroundings:
         """Shoot the rays."""
         self._solid, self._lookup = solid, lookup
         sent = self._shoot(lookup.at, FROM_NODES, 1, lambda node, cosine: dr.pi * lookup.sensitivity(node, cosine))
-        opaque = np.flatnonzero(np.array(sent.opaque))
+        opaque = np.flatnonzero(np.array(sent[0].opaque))
         chosen = np.random.default_rng(1).permutation(opaque)[:STATIONS]
         self.at: Any = None
         self.albedo = np.zeros((0, 3), np.float32)
         if len(chosen):
-            self.at = dr.gather(type(sent.si), sent.si, mi.UInt32(np.sort(chosen)))
+            self.at = dr.gather(type(sent[0].si), sent[0].si, mi.UInt32(np.sort(chosen)))
             self.albedo = self.reflectance(self.at)
             self.at = faced(self.at)
         self.count = len(chosen)
         self._tree = KDTree(np.array(self.at.p).T) if self.count else None
         self.from_nodes = self._seen(sent, len(lookup.points))
+        self.open = _reflections(sent[1:])
         self.from_stations = self.seen(self.at, FROM_STATIONS, 2) if self.count else self._nothing(0)
 
     @staticmethod
@@ -81,19 +84,32 @@ class Surroundings:
             sparse.csr_matrix((rows, self.count), dtype=np.float32),
         )
 
-    def _shoot(self, at: Any, count: int, seed: int, weigh: Any) -> Any:
+    def _shoot(self, at: Any, count: int, seed: int, weigh: Any) -> tuple[_Sent, ...]:
+        """Shoot `count` rays from each point; return what they hit, and what their reflections in objects do."""
         width = dr.width(at.p)
         origin = dr.arange(mi.UInt32, width * count) // count
         sampler = mi.load_dict({"type": "independent"})
         sampler.seed(seed, width * count)
         here = dr.gather(type(at), at, origin)
-        normal = here.sh_frame.n
         local = mi.warp.square_to_cosine_hemisphere(sampler.next_2d())
-        si = self._solid.ray_intersect(here.spawn_ray(mi.Frame3f(normal).to_world(local)))
-        hits, X = self.sent(si, si.is_valid())
         weight = dr.zeros(mi.Float, width * count) + weigh(origin, local.z) / count
-        dr.eval(si, origin, weight, hits, X)
-        return _Sent(si, origin, weight, hits, si.is_valid() & ~hits, X)
+        ray = here.spawn_ray(mi.Frame3f(here.sh_frame.n).to_world(local))
+        first = self._hit(ray, origin, weight)
+        reflecting = mi.UInt32(np.flatnonzero(np.array(first.hits)))
+        if not dr.width(reflecting):
+            return (first,)
+        si = dr.gather(type(first.si), first.si, reflecting)
+        eta = dr.gather(mi.Float, self._lookup.eta, self._lookup.number(si.shape, mi.Bool(True)))
+        x = interface.cross(si, -si.to_world(si.wi), eta)
+        origin, weight = (dr.gather(type(v), v, reflecting) for v in (origin, weight))
+        return first, self._hit(si.spawn_ray(x.reflected), origin, weight * x.reflectance)
+
+    def _hit(self, ray: Any, origin: Any, weight: Any) -> _Sent:
+        si = self._solid.ray_intersect(ray)
+        hits, X = self.sent(si, si.is_valid())
+        found = _Sent(ray, si, origin, weight, hits, si.is_valid() & ~hits, X)
+        dr.eval(ray, si, origin, weight, hits, found.opaque, X)
+        return found
 
     def sent(self, si: Any, active: Any) -> tuple[Any, Any]:
         """Return where interactions lie on nodes' surfaces, and the share of X that leaves there towards them."""
@@ -110,20 +126,21 @@ class Surroundings:
         normal = dr.mulsign(mi.Vector3f(si.n), dr.dot(si.n, si.to_world(si.wi)))
         return self._lookup.nearby.nearest(which, si.p, normal, active)
 
-    def _seen(self, sent: Any, rows: int) -> Seen:
+    def _seen(self, parts: tuple[_Sent, ...], rows: int) -> Seen:
         found = self._nothing(rows)
-        origin, weight = np.array(sent.origin), np.array(sent.weight)
-        hits = np.flatnonzero(np.array(sent.hits))
-        if len(hits):
-            node = np.array(self.node(sent.si, sent.hits))[hits]
-            value = weight[hits] * np.array(sent.X)[hits]
-            found.nodes = sparse.csr_matrix((value, (origin[hits], node)), shape=found.nodes.shape)
-        opaque = np.flatnonzero(np.array(sent.opaque))
-        if len(opaque):
-            station = self.nearest(np.array(sent.si.p).T[opaque])
-            found.stations = sparse.csr_matrix(
-                (weight[opaque], (origin[opaque], station)), shape=found.stations.shape
-            )
+        for sent in parts:
+            origin, weight = np.array(sent.origin), np.array(sent.weight)
+            hits = np.flatnonzero(np.array(sent.hits))
+            if len(hits):
+                node = np.array(self.node(sent.si, sent.hits))[hits]
+                value = weight[hits] * np.array(sent.X)[hits]
+                found.nodes += sparse.csr_matrix((value, (origin[hits], node)), shape=found.nodes.shape)
+            opaque = np.flatnonzero(np.array(sent.opaque))
+            if self.count and len(opaque):
+                station = self.nearest(np.array(sent.si.p).T[opaque])
+                found.stations += sparse.csr_matrix(
+                    (weight[opaque], (origin[opaque], station)), shape=found.stations.shape
+                )
         return found
 
 
@@ -131,6 +148,7 @@ class Surroundings:
 class _Sent:
     """Rays that have been shot: where they have hit, from which points; `X`: share of a node's X that they see."""
 
+    ray: Any
     si: Any
     origin: Any
     weight: Any
@@ -139,14 +157,33 @@ class _Sent:
     X: Any
 
 
-def interreflection(transport: list[NDArray], single: NDArray, again: NDArray) -> list[NDArray]:
-    """Return, for each channel, what arrives after one or more further surfaces, of what arrives at first: B M / (1 - B M).
+@dataclass
+class Open:
+    """Rays on which lamps may be seen, until where something solid is: whose they are, and the weight of each."""
 
-    `transport`: dense T between cells; `single`: share, [cells, channels], that leaves after one event; `again`: B,
-    from X to what arrives, dense or one a channel.
+    ray: Any
+    owner: Any
+    weight: Any
+
+
+def _reflections(parts: tuple[_Sent, ...]) -> Open | None:
+    """Return the rays on which nodes see lamps reflected in objects."""
+    for sent in parts:
+        ray = mi.Ray3f(sent.ray)
+        ray.maxt = dr.select(sent.si.is_valid(), sent.si.t, dr.largest(mi.Float))
+        found = Open(ray, sent.origin, mi.Spectrum(sent.weight))
+        dr.eval(found.ray, found.owner, found.weight)
+        return found
+    return None
+
+
+def interreflection(sent: list[NDArray], again: list[NDArray]) -> list[NDArray]:
+    """Return, for each channel, what arrives after one or more further surfaces, of what arrives at first.
+
+    `sent`: X of what arrives, M, between cells; `again`: what arrives of X, B. It is B M / (1 - B M).
     """
     found = []
-    for channel, T in enumerate(transport):
-        once = again[channel] @ (T + np.diag(single[:, channel]))
-        found.append(np.linalg.solve(np.eye(len(T)) - once, once).astype(np.float32))
+    for M, B in zip(sent, again, strict=True):
+        once = B @ M
+        found.append(np.linalg.solve(np.eye(len(M)) - once, once).astype(np.float32))
     return found

@@ -7,7 +7,6 @@ again. All other surfaces show the light that falls on one point a pixel, averag
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import drjit as dr
@@ -19,22 +18,13 @@ from scipy import sparse
 from nephrite.plugins import interface
 from nephrite.plugins.lookup import REACH, Lookup
 from nephrite.relighting.samples import TILE, Sequence, over_pixels
-from nephrite.relighting.surroundings import FROM_PIXELS, Seen, Surroundings, faced
+from nephrite.relighting.surroundings import FROM_PIXELS, Open, Seen, Surroundings, faced
 from nephrite.transport.nodes import interpolation
 
 SIDE = 2  # of the square of rays in a pixel
 REFLECTIONS = 3
 _LEAST = 1e-3  # weight of rays that are followed
 _ALIKE = 0.9  # cosine between the normals of neighbouring pixels that are averaged
-
-
-@dataclass
-class Open:
-    """Rays on which lamps may be seen, until where something solid is: pixel and weight of each."""
-
-    ray: Any
-    pixel: Any
-    weight: Any
 
 
 class View:
@@ -233,5 +223,5 @@ def _joined(parts: list[tuple[Any, ...]]) -> Open:
     ray = mi.Ray3f(mi.Point3f(o.T), mi.Vector3f(d.T))
     ray.maxt = mi.Float(until)
     found = Open(ray, mi.UInt32(pixel), mi.Spectrum(weight.T.astype(np.float32)))
-    dr.eval(found.ray, found.pixel, found.weight)
+    dr.eval(found.ray, found.owner, found.weight)
     return found

@@ -16,6 +16,7 @@ from nephrite.plugins.lookup import Lookup
 from nephrite.plugins.media import Media
 from nephrite.relighting import precomputed
 from nephrite.relighting.arrivals import Arrived, Gather
+from nephrite.relighting.once import scattered_once
 from nephrite.relighting.precomputed import Precomputed
 from nephrite.relighting.stage import Stage
 from nephrite.relighting.surroundings import Surroundings, interreflection
@@ -62,7 +63,9 @@ class Viewer:
         with dr.suspend_grad():
             self._lookup = Lookup(self._members, transport.layouts)
             self._surroundings = Surroundings(self._stage.solid, self._lookup, self._members)
-            self._albedo, self._kept = self._single()
+            everywhere = np.arange(len(self._lookup.points))
+            self._diffuse_once = scattered_once(self._stage.solid, self._lookup, self._members, everywhere)
+            self._kept = self._deep()
             self._coarse()
         self._camera = b""
         self._states: dict[str, bytes] = {}
@@ -103,8 +106,9 @@ class Viewer:
             self.view = View(
                 self._stage.solid, self._sensor, self._lookup, self._surroundings, self.transport.layouts, self._media
             )
-            entries = [entry for entry, _ in self._members]
-            self._gathering = Gather(self._stage.solid, self._lookup, self._surroundings, self.view, entries)
+            seen = np.flatnonzero(np.diff(self.view.nodes.tocsc().indptr))
+            self._once = scattered_once(self._stage.solid, self._lookup, self._members, seen, self.view.toward)
+            self._gathering = Gather(self._stage.solid, self._lookup, self._surroundings, self.view)
             self._camera = digest
             self._states, self._arrived = {}, {}
         self.seconds["camera"] = time.perf_counter() - start
@@ -147,34 +151,28 @@ class Viewer:
         )
         self.seconds["transport"] = time.perf_counter() - start
         start = time.perf_counter()
-        once = self._albedo * (arrived.plain - self._kept * arrived.nodes[:, 0] + (1 - self._kept) * more)
-        sent = carried[:, 0] + once
+        shallow = (arrived.plain - self._kept * arrived.nodes[:, 0]) / (1 - self._kept) + more
+        sent = carried[:, 0] + _each(self._diffuse_once, shallow)
         n = self._lookup.normals
         tangential = (view.toward - n * np.einsum("ij,ij->i", n, view.toward)[:, None]).astype(np.float32)
         shown = carried[:, 0] + np.einsum("ij,ijk->ik", tangential, carried[:, 1:])
-        shown = np.maximum(shown, 0) + self._albedo * (arrived.single + (1 - self._kept) * more)
+        shown = np.maximum(shown, 0) + _each(self._once, shallow)
         radiance = radiance + around.albedo * (
             around.from_stations.nodes @ sent + around.from_stations.stations @ radiance
         )
         picture = arrived.picture + view.nodes @ shown
-        for c in range(3):
-            picture[:, c] += view.reflected[0][c] @ np.ascontiguousarray(sent[:, c])
-            picture[:, c] += view.reflected[1][c] @ np.ascontiguousarray(radiance[:, c])
+        picture += _each(view.reflected[0], sent) + _each(view.reflected[1], radiance)
         if view.seen is not None:
             points = view.mean @ (arrived.points + view.seen.nodes @ sent + view.seen.stations @ radiance)
             picture[view.pixel] += view.share[:, None] * view.albedo * points
         self.seconds["picture"] = time.perf_counter() - start
         return picture.reshape(view.height, view.width, 3).astype(np.float32)
 
-    def _single(self) -> tuple[NDArray, NDArray]:
-        """Return, for each node, the albedo per channel, and the share of light that scatters again after one event."""
-        albedo, kept = [], []
-        for i, (entry, _) in enumerate(self._members):
-            sigma_a, sigma_s = entry.mean_coefficients()
-            own = self._lookup.own(i)
-            albedo.append(np.tile(sigma_s / (sigma_a + sigma_s), (own.stop - own.start, 1)))
-            kept.append(np.full((own.stop - own.start, 1), 1.0 - entry.single_share))
-        return np.concatenate(albedo).astype(np.float32), np.concatenate(kept).astype(np.float32)
+    def _deep(self) -> NDArray:
+        """Return, for each node, the share of light that scatters again after one event."""
+        kept = [1.0 - entry.single_share for entry, _ in self._members]
+        counts = np.diff(self._lookup.firsts)
+        return np.repeat(kept, counts)[:, None].astype(np.float32)
 
     def _coarse(self) -> None:
         """Prepare what comes of light that goes from object to object, or over stations and back."""
@@ -185,19 +183,24 @@ class Viewer:
         down = averaging(up)
         transport = [linalg.block_diag(*parts) for parts in zip(*(o.coarse() for o in operators), strict=True)]
         around = self._surroundings
-        single = down @ (self._albedo * (1.0 - self._kept))
+        once = [(down @ matrix @ up).toarray() for matrix in self._diffuse_once]
         direct = down @ around.from_nodes.nodes @ up
         again = []
         for c in range(3):
             over = sparse.diags(around.albedo[:, c]) @ (around.from_stations.nodes @ up)
             again.append((direct + (down @ around.from_nodes.stations) @ over).toarray())
         self._up, self._down = up.astype(np.float32), down.tocsr().astype(np.float32)
-        self._further = interreflection(transport, single, again)
+        self._further = interreflection([a + b for a, b in zip(transport, once, strict=True)], again)
 
     def _between(self, arriving: NDArray) -> NDArray:
         """Return what arrives after one or more further surfaces, of what arrives first."""
         coarse = self._down @ arriving
         return self._up @ np.stack([self._further[c] @ coarse[:, c] for c in range(3)], axis=1)
+
+
+def _each(matrices: list[Any], values: NDArray) -> NDArray:
+    """Return what a matrix a channel makes of values, [n, channels]."""
+    return np.stack([m @ np.ascontiguousarray(v) for m, v in zip(matrices, values.T, strict=True)], axis=1)
 
 
 def _state(sensor: Any) -> bytes:

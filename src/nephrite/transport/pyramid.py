@@ -28,6 +28,8 @@ MOMENTS = ((), (), (0, 1, 2), (3, 4, 5))
 """The same for what is remembered of directions."""
 
 GRIDS = len(MEANS)
+AROUND = 2  # grids coarser: how far off neighbours are that should get as much in even light
+EVENED = GRIDS - AROUND
 COARSE = GRIDS - 1  # grid for light that has been scattered by several surfaces
 
 _pool = ThreadPoolExecutor(3, "nephrite-pyramid")
@@ -73,6 +75,24 @@ class Pyramid:
         """Hold the matrices; `smooth` takes the noise of single nodes out of their means."""
         self.ups, self.means, self.moments, self.smooth = ups, means, moments, smooth
         self._downs = [up.T.tocsr() for up in ups]
+        self._mass = [np.ones((smooth.shape[0], 1), np.float32)]
+        for down in self._downs:
+            self._mass.append(np.maximum(down @ self._mass[-1], 1e-12))
+        self._excess = [self._noise(grid) for grid in range(EVENED)]
+
+    def _noise(self, grid: int) -> NDArray:
+        """Return how much more, or less, walks bring to each cell in even light than they do around: [cells, channels]."""
+        sums = np.stack([kernel @ self._mass[grid][:, 0] for kernel in self.means[grid]], axis=1)
+        around = sums * self._mass[grid]
+        for down in self._downs[grid : grid + AROUND]:
+            around = down @ around
+        around /= self._mass[grid + AROUND]
+        return sums - self._finer(around, grid + AROUND, grid)
+
+    def _finer(self, values: NDArray, grid: int, to: int) -> NDArray:
+        for up in self.ups[to:grid][::-1]:
+            values = up @ values
+        return values
 
     @classmethod
     def of(cls, points: NDArray, normals: NDArray, spacing: float, walks: Ends, each: int) -> Pyramid:
@@ -109,6 +129,9 @@ class Pyramid:
         found = [np.zeros((len(values), 4, channels), np.float32) for values in given]
         for (grid, parts, c, *_), values in zip(work, done, strict=True):
             found[grid][:, :parts, c] += values.reshape(-1, parts)
+        for grid, excess in enumerate(self._excess):
+            local = given[grid + AROUND][:, :channels] / self._mass[grid + AROUND]
+            found[grid][:, 0] -= excess * self._finer(local, grid + AROUND, grid)
         for grid in range(GRIDS - 1, 0, -1):
             values = self.ups[grid - 1] @ found[grid].reshape(len(found[grid]), -1)
             found[grid - 1] += values.reshape(-1, 4, channels)
