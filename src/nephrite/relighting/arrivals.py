@@ -21,9 +21,10 @@ FOR_NODE, FOR_STATION = 2, 4  # samples a turn
 
 @dataclass
 class Arrived:
-    """What has arrived, [points, channels] each, of which `nodes` is [nodes, 4, channels]: see `surroundings`.
+    """What has arrived, [channels, points] each, of which `nodes` is [channels, 4, nodes]: see `surroundings`.
 
-    `plain`: at nodes, as the lobe sees it without preference for steep light; `stations`: irradiance / pi; `points`: radiance sent to the camera, per albedo; `picture`: lamps seen.
+    `plain`: at nodes, as the lobe sees it without preference for steep light; `stations`: irradiance / pi; `points`:
+    radiance sent to the camera, per albedo; `picture`: lamps seen.
     """
 
     nodes: NDArray
@@ -58,9 +59,9 @@ class Gather:
         """Return what the samples of one turn bring."""
         found = [*self._nodes(lamp, turn), self._stations(lamp, turn), self._points(lamp, turn), self._picture(lamp)]
         dr.eval(found)
-        arrays = [np.array(one).T for one in found]
+        arrays = [np.array(one) for one in found]
         if self._surroundings.open is not None:
-            reflected = np.array(_along(lamp, self._surroundings.open, len(self._lookup.points))).T
+            reflected = np.array(_along(lamp, self._surroundings.open, len(self._lookup.points)))
             arrays[0], arrays[4] = arrays[0] + reflected, arrays[4] + reflected
         return Arrived(np.stack(arrays[:4], axis=1), *arrays[4:])
 

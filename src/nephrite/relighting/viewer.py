@@ -64,9 +64,10 @@ class Viewer:
             self._lookup = Lookup(self._members, transport.layouts)
             self._surroundings = Surroundings(self._stage.solid, self._lookup, self._members)
             everywhere = np.arange(len(self._lookup.points))
-            self._diffuse_once = scattered_once(self._stage.solid, self._lookup, self._members, everywhere)
+            once = scattered_once(self._stage.solid, self._lookup, self._members, everywhere)
+            self._once_sent = np.column_stack([np.asarray(matrix.sum(axis=1)).ravel() for matrix in once])
             self._kept = self._deep()
-            self._coarse()
+            self._coarse(once)
         self._camera = b""
         self._states: dict[str, bytes] = {}
         self._arrived: dict[str, tuple[Arrived, int]] = {}
@@ -108,6 +109,9 @@ class Viewer:
             )
             seen = np.flatnonzero(np.diff(self.view.nodes.tocsc().indptr))
             self._once = scattered_once(self._stage.solid, self._lookup, self._members, seen, self.view.toward)
+            n = self._lookup.normals
+            tangential = self.view.toward - n * np.einsum("ij,ij->i", n, self.view.toward)[:, None]
+            self._toward = np.column_stack([np.ones(len(n)), tangential]).astype(np.float32)
             self._gathering = Gather(self._stage.solid, self._lookup, self._surroundings, self.view)
             self._camera = digest
             self._states, self._arrived = {}, {}
@@ -140,41 +144,43 @@ class Viewer:
     def _show(self, arrived: Arrived) -> NDArray[np.float32]:
         """Return the picture that comes of what arrives."""
         start = time.perf_counter()
+        channels = [self._channel(arrived, c) for c in range(3)]
+        self.seconds["picture"] = time.perf_counter() - start
+        return np.stack(channels, axis=1).reshape(self.view.height, self.view.width, 3)
+
+    def _channel(self, arrived: Arrived, c: int) -> NDArray[np.float32]:
+        """Return one channel of it, [pixels]: light goes to stations, between surfaces, through objects, to the eye."""
         view, around = self.view, self._surroundings
-        radiance = around.albedo * arrived.stations
+        radiance = around.albedo[:, c] * arrived.stations[c]
         more = around.from_nodes.stations @ radiance
-        more = more + self._between(arrived.nodes[:, 0] + more)
-        nodes = arrived.nodes.copy()
-        nodes[:, 0] += more
-        carried = np.concatenate(
-            [operator.apply(nodes[self._lookup.own(i)]) for i, operator in enumerate(self.transport.operators)]
-        )
-        self.seconds["transport"] = time.perf_counter() - start
-        start = time.perf_counter()
-        shallow = (arrived.plain - self._kept * arrived.nodes[:, 0]) / (1 - self._kept) + more
-        sent = carried[:, 0] + _each(self._diffuse_once, shallow)
-        n = self._lookup.normals
-        tangential = (view.toward - n * np.einsum("ij,ij->i", n, view.toward)[:, None]).astype(np.float32)
-        shown = carried[:, 0] + np.einsum("ij,ijk->ik", tangential, carried[:, 1:])
-        shown = np.maximum(shown, 0) + _each(self._once, shallow)
-        radiance = radiance + around.albedo * (
+        operators = [(operator, self._lookup.own(i)) for i, operator in enumerate(self.transport.operators)]
+        once = arrived.nodes[c, 0] + more
+        further = self._further[c] @ np.concatenate([operator.averaged(once[own]) for operator, own in operators])
+        cells = np.split(further, self._cells)
+        more += np.concatenate([o.interpolated(part) for (o, _), part in zip(operators, cells, strict=True)])
+        arriving = np.stack(arrived.nodes[c], axis=1)
+        arriving[:, 0] += more
+        carried = np.concatenate([operator.channel(arriving[own], c) for operator, own in operators])
+        shallow = (arrived.plain[c] - self._kept * arrived.nodes[c, 0]) / (1 - self._kept) + more
+        sent = carried[:, 0] + self._once_sent[:, c] * shallow
+        shown = np.maximum(np.einsum("ij,ij->i", self._toward, carried), 0) + self._once[c] @ shallow
+        radiance = radiance + around.albedo[:, c] * (
             around.from_stations.nodes @ sent + around.from_stations.stations @ radiance
         )
-        picture = arrived.picture + view.nodes @ shown
-        picture += _each(view.reflected[0], sent) + _each(view.reflected[1], radiance)
+        picture = arrived.picture[c] + view.nodes @ shown
+        picture += view.reflected[0][c] @ sent + view.reflected[1][c] @ radiance
         if view.seen is not None:
-            points = view.mean @ (arrived.points + view.seen.nodes @ sent + view.seen.stations @ radiance)
-            picture[view.pixel] += view.share[:, None] * view.albedo * points
-        self.seconds["picture"] = time.perf_counter() - start
-        return picture.reshape(view.height, view.width, 3).astype(np.float32)
+            points = view.mean @ (arrived.points[c] + view.seen.nodes @ sent + view.seen.stations @ radiance)
+            picture[view.pixel] += view.share * view.albedo[:, c] * points
+        return picture
 
     def _deep(self) -> NDArray:
         """Return, for each node, the share of light that scatters again after one event."""
         kept = [1.0 - entry.single_share for entry, _ in self._members]
         counts = np.diff(self._lookup.firsts)
-        return np.repeat(kept, counts)[:, None].astype(np.float32)
+        return np.repeat(kept, counts).astype(np.float32)
 
-    def _coarse(self) -> None:
+    def _coarse(self, scattered_once: list[Any]) -> None:
         """Prepare what comes of light that goes from object to object, or over stations and back."""
         from scipy import linalg, sparse
 
@@ -183,24 +189,14 @@ class Viewer:
         down = averaging(up)
         transport = [linalg.block_diag(*parts) for parts in zip(*(o.coarse() for o in operators), strict=True)]
         around = self._surroundings
-        once = [(down @ matrix @ up).toarray() for matrix in self._diffuse_once]
+        once = [(down @ matrix @ up).toarray() for matrix in scattered_once]
         direct = down @ around.from_nodes.nodes @ up
         again = []
         for c in range(3):
             over = sparse.diags(around.albedo[:, c]) @ (around.from_stations.nodes @ up)
             again.append((direct + (down @ around.from_nodes.stations) @ over).toarray())
-        self._up, self._down = up.astype(np.float32), down.tocsr().astype(np.float32)
+        self._cells = np.cumsum([operator.ups[-1].shape[1] for operator in operators])[:-1]
         self._further = interreflection([a + b for a, b in zip(transport, once, strict=True)], again)
-
-    def _between(self, arriving: NDArray) -> NDArray:
-        """Return what arrives after one or more further surfaces, of what arrives first."""
-        coarse = self._down @ arriving
-        return self._up @ np.stack([self._further[c] @ coarse[:, c] for c in range(3)], axis=1)
-
-
-def _each(matrices: list[Any], values: NDArray) -> NDArray:
-    """Return what a matrix a channel makes of values, [n, channels]."""
-    return np.stack([m @ np.ascontiguousarray(v) for m, v in zip(matrices, values.T, strict=True)], axis=1)
 
 
 def _state(sensor: Any) -> bytes:

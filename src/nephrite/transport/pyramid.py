@@ -9,7 +9,6 @@ cent, and is counted between wider cells.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import reduce
 from typing import Any
@@ -31,8 +30,6 @@ GRIDS = len(MEANS)
 AROUND = 2  # grids coarser: how far off neighbours are that should get as much in even light
 EVENED = GRIDS - AROUND
 COARSE = GRIDS - 1  # grid for light that has been scattered by several surfaces
-
-_pool = ThreadPoolExecutor(3, "nephrite-pyramid")
 
 
 @dataclass
@@ -75,19 +72,21 @@ class Pyramid:
         """Hold the matrices; `smooth` takes the noise of single nodes out of their means."""
         self.ups, self.means, self.moments, self.smooth = ups, means, moments, smooth
         self._downs = [up.T.tocsr() for up in ups]
-        self._mass = [np.ones((smooth.shape[0], 1), np.float32)]
+        self._mass = [np.ones(smooth.shape[0], np.float32)]
         for down in self._downs:
             self._mass.append(np.maximum(down @ self._mass[-1], 1e-12))
         self._excess = [self._noise(grid) for grid in range(EVENED)]
 
-    def _noise(self, grid: int) -> NDArray:
-        """Return how much more, or less, walks bring to each cell in even light than they do around: [cells, channels]."""
-        sums = np.stack([kernel @ self._mass[grid][:, 0] for kernel in self.means[grid]], axis=1)
-        around = sums * self._mass[grid]
-        for down in self._downs[grid : grid + AROUND]:
-            around = down @ around
-        around /= self._mass[grid + AROUND]
-        return sums - self._finer(around, grid + AROUND, grid)
+    def _noise(self, grid: int) -> list[NDArray]:
+        """Return how much more, or less, walks bring to each cell in even light than they do around, a channel each."""
+        found = []
+        for kernel in self.means[grid]:
+            sums = kernel @ self._mass[grid]
+            around = sums * self._mass[grid]
+            for down in self._downs[grid : grid + AROUND]:
+                around = down @ around
+            found.append(sums - self._finer(around / self._mass[grid + AROUND], grid + AROUND, grid))
+        return found
 
     def _finer(self, values: NDArray, grid: int, to: int) -> NDArray:
         for up in self.ups[to:grid][::-1]:
@@ -112,31 +111,40 @@ class Pyramid:
         return cls(ups, means, moments, smoothing(points, normals, spacing))
 
     def apply(self, arriving: NDArray) -> NDArray:
-        """Return what is seen at the nodes, [nodes, 4, channels], of what arrives there: see `carried.Walks`."""
-        channels = arriving.shape[2]
-        given = [np.ascontiguousarray(arriving.reshape(len(arriving), -1), np.float32)]
+        """Return what is seen at the nodes, [nodes, 4, channels], of what arrives there.
+
+        Both are a mean over directions, and one for each axis, of what is in proportion to the direction.
+        """
+        return np.stack([self.channel(arriving[:, :, c], c) for c in range(arriving.shape[2])], axis=2)
+
+    def channel(self, arriving: NDArray, channel: int) -> NDArray:
+        """Return the same for one channel: [nodes, 4] of [nodes, 4]."""
+        given = [np.ascontiguousarray(arriving, np.float32)]
         for down in self._downs:
             given.append(down @ given[-1])
-        work = []
+        found = [np.zeros_like(values) for values in given]
         for grid, values in enumerate(given):
-            values = values.reshape(len(values), 4, channels)
-            for c in range(channels):
-                if self.moments[grid]:
-                    work.append((grid, 4, c, self.moments[grid][c], values[:, :, c]))
-                if self.means[grid]:
-                    work.append((grid, 1, c, self.means[grid][c], values[:, :1, c]))
-        done = _pool.map(lambda job: job[3] @ np.ascontiguousarray(job[4]).ravel(), work)
-        found = [np.zeros((len(values), 4, channels), np.float32) for values in given]
-        for (grid, parts, c, *_), values in zip(work, done, strict=True):
-            found[grid][:, :parts, c] += values.reshape(-1, parts)
+            if self.means[grid]:
+                found[grid][:, 0] = self.means[grid][channel] @ np.ascontiguousarray(values[:, 0])
+            if self.moments[grid]:
+                found[grid] += (self.moments[grid][channel] @ values.ravel()).reshape(-1, 4)
         for grid, excess in enumerate(self._excess):
-            local = given[grid + AROUND][:, :channels] / self._mass[grid + AROUND]
-            found[grid][:, 0] -= excess * self._finer(local, grid + AROUND, grid)
+            local = given[grid + AROUND][:, 0] / self._mass[grid + AROUND]
+            found[grid][:, 0] -= excess[channel] * self._finer(local, grid + AROUND, grid)
         for grid in range(GRIDS - 1, 0, -1):
-            values = self.ups[grid - 1] @ found[grid].reshape(len(found[grid]), -1)
-            found[grid - 1] += values.reshape(-1, 4, channels)
-        found[0][:, 0] = self.smooth @ found[0][:, 0]
+            found[grid - 1] += self.ups[grid - 1] @ found[grid]
+        found[0][:, 0] = self.smooth @ np.ascontiguousarray(found[0][:, 0])
         return found[0]
+
+    def averaged(self, values: NDArray) -> NDArray:
+        """Return means over the cells of the grid `COARSE`, of values at the nodes."""
+        for down in self._downs:
+            values = down @ values
+        return values / self._mass[COARSE]
+
+    def interpolated(self, values: NDArray) -> NDArray:
+        """Return values at the nodes, of such at the cells of the grid `COARSE`."""
+        return self._finer(values, COARSE, 0)
 
     def up(self, grid: int) -> Any:
         """Return the matrix from a grid's cells to the nodes."""
