@@ -16,7 +16,7 @@ SOURCE = Path(nephrite.__file__).parent
 LAYERS = [
     {"errors"}, {"llvm"}, {"geometry"}, {"physics"}, {"materials"}, {"profiles"}, {"bssrdf"}, {"transport"},
     {"plugins"}, {"scene"},
-    {"image"}, {"rendering"}, {"atlas"}, {"cli"},
+    {"image"}, {"relighting"}, {"rendering"}, {"atlas"}, {"cli"},
 ]  # fmt: skip
 RANK = {name: rank for rank, layer in enumerate(LAYERS) for name in layer}
 REGISTERS = {

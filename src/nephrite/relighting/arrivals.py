@@ -57,7 +57,12 @@ class Gather:
 
     def turn(self, lamp: Lamp, turn: int) -> Arrived:
         """Return what the samples of one turn bring."""
-        found = [*self._nodes(lamp, turn), self._stations(lamp, turn), self._points(lamp, turn), self._picture(lamp)]
+        found = [
+            *self._nodes(lamp, turn),
+            self._stations(lamp, turn),
+            self._points(lamp, turn),
+            self._picture(lamp),
+        ]
         dr.eval(found)
         arrays = [np.array(one) for one in found]
         if self._surroundings.open is not None:

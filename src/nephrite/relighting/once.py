@@ -82,4 +82,9 @@ def scattered_once(
 
 def _gathered(rows: list[NDArray], which: Any) -> Any:
     """Return a spectrum for each lane, of one for each surface."""
-    return mi.Spectrum(*[dr.gather(mi.Float, mi.Float(list(map(float, column))), which) for column in zip(*rows, strict=True)])
+    return mi.Spectrum(
+        *[
+            dr.gather(mi.Float, mi.Float(list(map(float, column))), which)
+            for column in zip(*rows, strict=True)
+        ]
+    )

@@ -127,7 +127,11 @@ def keys(members: list[tuple[Any, Any]]) -> list[Key]:
             for array in triangles(shape):
                 digest.update(np.ascontiguousarray(array).tobytes())
         else:
-            corners = [*np.ravel(shape.bbox().min), *np.ravel(shape.bbox().max), *np.ravel(shape.surface_area())]
+            corners = [
+                *np.ravel(shape.bbox().min),
+                *np.ravel(shape.bbox().max),
+                *np.ravel(shape.surface_area()),
+            ]
             digest.update(",".join(f"{x:.5g}" for x in corners).encode())
         found.append(
             {
@@ -145,7 +149,7 @@ def load(path: str | os.PathLike) -> Precomputed:
     """Read what `Precomputed.save` has written; raises `ParameterError` for any other file, or a damaged one."""
     name = os.fspath(path)
     try:
-        with np.load(path, allow_pickle=False) as file:
+        with open(path, "rb") as opened, np.load(opened, allow_pickle=False) as file:
             about = json.loads(str(file["about"]))
             if about["format"] != FORMAT:
                 raise ParameterError(
@@ -154,9 +158,7 @@ def load(path: str | os.PathLike) -> Precomputed:
             arrays = {key: file[key] for key in file.files}
         layouts, operators = [], []
         for i in range(len(about["keys"])):
-            layouts.append(
-                (arrays[f"{i}.points"], arrays[f"{i}.normals"], float(arrays[f"{i}.spacing"]))
-            )
+            layouts.append((arrays[f"{i}.points"], arrays[f"{i}.normals"], float(arrays[f"{i}.spacing"])))
             operators.append(_operator(arrays, f"{i}."))
     except FileNotFoundError as error:
         raise ParameterError(f"there is no file {name!r}: save transport there first.") from error

@@ -13,7 +13,9 @@ STEPS = np.array([0.7548776662466927, 0.5698402909980532])
 """R2 sequence (Roberts 2018)."""
 
 TILE = 4  # pixels: each of a tile's has another point of the sequence
-_ORDER = np.array([[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]])  # of a tile's pixels (Bayer)
+_ORDER = np.array(
+    [[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]]
+)  # of a tile's pixels (Bayer)
 
 
 class Sequence:

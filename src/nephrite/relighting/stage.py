@@ -51,7 +51,7 @@ class Lamp:
             return dr.select(ray.maxt == dr.largest(mi.Float), self.emitter.eval(si), 0)
         if self.shape is None:
             return mi.Spectrum(0)
-        si = mi.load_dict({"type": "scene", "lamp": self.shape}).ray_intersect(ray)
+        si = _scene([self.shape]).ray_intersect(ray)
         return dr.select(si.is_valid(), self.emitter.eval(si), 0)
 
 
@@ -63,11 +63,20 @@ class Stage:
         shapes = list(scene.shapes())
         for shape in shapes:
             _check(shape)
-        kept = {f"shape {i}": shape for i, shape in enumerate(shapes) if not shape.is_emitter()}
-        self.solid = mi.load_dict({"type": "scene", **kept}, optimize=False)
+        self.solid = _scene([shape for shape in shapes if not shape.is_emitter()])
         own = [(shape.emitter(), shape) for shape in shapes if shape.is_emitter()]
         own += [(emitter, None) for emitter in scene.emitters() if emitter.get_shape() is None]
         self.lamps = {lamp.name: lamp for lamp in (Lamp(*pair) for pair in own)}
+
+
+def _scene(shapes: list[Any]) -> Any:
+    """Return a scene of shapes, which keep the names that they have in another one."""
+    names = [shape.id() for shape in shapes]
+    described = {f"shape {i}": shape for i, shape in enumerate(shapes)}
+    found = mi.load_dict({"type": "scene", **described}, optimize=False)
+    for shape, name in zip(shapes, names, strict=True):
+        shape.set_id(name)
+    return found
 
 
 def _check(shape: Any) -> None:

@@ -47,7 +47,9 @@ class Surroundings:
     def __init__(self, solid: Any, lookup: Any, members: list[tuple[Any, Any]]) -> None:
         """Shoot the rays."""
         self._solid, self._lookup = solid, lookup
-        sent = self._shoot(lookup.at, FROM_NODES, 1, lambda node, cosine: dr.pi * lookup.sensitivity(node, cosine))
+        sent = self._shoot(
+            lookup.at, FROM_NODES, 1, lambda node, cosine: dr.pi * lookup.sensitivity(node, cosine)
+        )
         opaque = np.flatnonzero(np.array(sent[0].opaque))
         chosen = np.random.default_rng(1).permutation(opaque)[:STATIONS]
         self.at: Any = None

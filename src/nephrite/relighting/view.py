@@ -36,7 +36,9 @@ class View:
     average over neighbours, `seen` what reaches them from nodes and stations.
     """
 
-    def __init__(self, solid: Any, sensor: Any, lookup: Lookup, surroundings: Surroundings, layouts: Any, media: Any) -> None:
+    def __init__(
+        self, solid: Any, sensor: Any, lookup: Lookup, surroundings: Surroundings, layouts: Any, media: Any
+    ) -> None:
         """Trace the rays of `sensor`."""
         self._solid, self._lookup, self._surroundings = solid, lookup, surroundings
         self.width, self.height = (int(side) for side in sensor.film().crop_size())
@@ -67,10 +69,18 @@ class View:
         kept = np.flatnonzero(weight > 0)
         until = np.where(valid, np.array(si.t), np.finfo(np.float32).max)
         self._open.append(
-            (np.array(rays.o).T[kept], np.array(rays.d).T[kept], until[kept], pixel[kept], np.repeat(weight[kept, None], 3, 1))
+            (
+                np.array(rays.o).T[kept],
+                np.array(rays.d).T[kept],
+                until[kept],
+                pixel[kept],
+                np.repeat(weight[kept, None], 3, 1),
+            )
         )
 
-    def _look(self, si: Any, x: Any, shown: Any, hit: NDArray, pixel: NDArray, rays: Any, layouts: Any) -> None:
+    def _look(
+        self, si: Any, x: Any, shown: Any, hit: NDArray, pixel: NDArray, rays: Any, layouts: Any
+    ) -> None:
         """Find which nodes the first hits on objects look at."""
         lookup = self._lookup
         p, n = np.array(si.p).T[hit], np.array(x.normal).T[hit]
@@ -99,7 +109,9 @@ class View:
         toward[unseen] = lookup.normals[unseen]
         self.toward = (toward / np.linalg.norm(toward, axis=1, keepdims=True)).astype(np.float32)
 
-    def _reflect(self, rays: Any, si: Any, x: Any, hit: NDArray, pixel: NDArray, media: Any, number: Any) -> tuple[Any, ...]:
+    def _reflect(
+        self, rays: Any, si: Any, x: Any, hit: NDArray, pixel: NDArray, media: Any, number: Any
+    ) -> tuple[Any, ...]:
         """Return the rays that leave objects without having been scattered: reflected ones, and straight through."""
         chosen = mi.UInt32(hit)
         first = dr.gather(type(si), si, chosen)
@@ -168,7 +180,9 @@ class View:
         y, x = np.divmod(self.pixel, self.width)
         self.sequence: Sequence = over_pixels(x, y)
         self.mean = self._neighbours(x, y)
-        self.seen = self._surroundings.seen(faced(self._solid.ray_intersect(dr.gather(mi.Ray3f, rays, chosen))), FROM_PIXELS, 3)
+        self.seen = self._surroundings.seen(
+            faced(self._solid.ray_intersect(dr.gather(mi.Ray3f, rays, chosen))), FROM_PIXELS, 3
+        )
 
     def _neighbours(self, x: NDArray, y: NDArray) -> Any:
         """Return the mean over pixels around, of the same surface: a window in which each of a tile's has equal weight."""
@@ -186,11 +200,17 @@ class View:
                 b = place[y[a] + dy, x[a] + dx]
                 a, b = a[b >= 0], b[b >= 0]
                 above = np.abs(np.einsum("ij,ij->i", p[b] - p[a], n[a]))
-                alike = (shape[a] == shape[b]) & (np.einsum("ij,ij->i", n[a], n[b]) > _ALIKE) & (above < 0.01 * far[a])
+                alike = (
+                    (shape[a] == shape[b])
+                    & (np.einsum("ij,ij->i", n[a], n[b]) > _ALIKE)
+                    & (above < 0.01 * far[a])
+                )
                 a, b = a[alike], b[alike]
                 rows.append(a)
                 columns.append(b)
-                weights.append(np.full(len(a), (0.5 if abs(dx) == half else 1) * (0.5 if abs(dy) == half else 1)))
+                weights.append(
+                    np.full(len(a), (0.5 if abs(dx) == half else 1) * (0.5 if abs(dy) == half else 1))
+                )
         index = np.concatenate(rows), np.concatenate(columns)
         matrix = sparse.csr_matrix((np.concatenate(weights), index), shape=(len(x),) * 2)
         return (sparse.diags(1 / np.asarray(matrix.sum(axis=1)).ravel()) @ matrix).astype(np.float32)
@@ -201,7 +221,8 @@ def _rays(sensor: Any, width: int, height: int) -> tuple[Any, Any]:
     index = dr.arange(mi.UInt32, width * height * SIDE**2)
     pixel, part = index // SIDE**2, index % SIDE**2
     spot = mi.Point2f(
-        (pixel % width + (part % SIDE + 0.5) / SIDE) / width, (pixel // width + (part // SIDE + 0.5) / SIDE) / height
+        (pixel % width + (part % SIDE + 0.5) / SIDE) / width,
+        (pixel // width + (part // SIDE + 0.5) / SIDE) / height,
     )
     ray = sensor.sample_ray(sensor.shutter_open(), 0.5, spot, mi.Point2f(0.5))[0]
     dr.eval(ray, pixel)

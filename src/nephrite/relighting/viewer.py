@@ -105,10 +105,17 @@ class Viewer:
         digest = _state(self._sensor)
         if digest != self._camera:
             self.view = View(
-                self._stage.solid, self._sensor, self._lookup, self._surroundings, self.transport.layouts, self._media
+                self._stage.solid,
+                self._sensor,
+                self._lookup,
+                self._surroundings,
+                self.transport.layouts,
+                self._media,
             )
             seen = np.flatnonzero(np.diff(self.view.nodes.tocsc().indptr))
-            self._once = scattered_once(self._stage.solid, self._lookup, self._members, seen, self.view.toward)
+            self._once = scattered_once(
+                self._stage.solid, self._lookup, self._members, seen, self.view.toward
+            )
             n = self._lookup.normals
             tangential = self.view.toward - n * np.einsum("ij,ij->i", n, self.view.toward)[:, None]
             self._toward = np.column_stack([np.ones(len(n)), tangential]).astype(np.float32)
@@ -155,7 +162,9 @@ class Viewer:
         more = around.from_nodes.stations @ radiance
         operators = [(operator, self._lookup.own(i)) for i, operator in enumerate(self.transport.operators)]
         once = arrived.nodes[c, 0] + more
-        further = self._further[c] @ np.concatenate([operator.averaged(once[own]) for operator, own in operators])
+        further = self._further[c] @ np.concatenate(
+            [operator.averaged(once[own]) for operator, own in operators]
+        )
         cells = np.split(further, self._cells)
         more += np.concatenate([o.interpolated(part) for (o, _), part in zip(operators, cells, strict=True)])
         arriving = np.stack(arrived.nodes[c], axis=1)
@@ -187,7 +196,9 @@ class Viewer:
         operators = self.transport.operators
         up = sparse.block_diag([operator.up(len(operator.ups)) for operator in operators], "csr")
         down = averaging(up)
-        transport = [linalg.block_diag(*parts) for parts in zip(*(o.coarse() for o in operators), strict=True)]
+        transport = [
+            linalg.block_diag(*parts) for parts in zip(*(o.coarse() for o in operators), strict=True)
+        ]
         around = self._surroundings
         once = [(down @ matrix @ up).toarray() for matrix in scattered_once]
         direct = down @ around.from_nodes.nodes @ up
