@@ -12,12 +12,13 @@ from nephrite.plugins import walked
 from nephrite.relighting import Viewer
 from support import measure, scenes
 
-WALKS = 300_000
+WALKS = 1_000_000
+SIDE = 96
 
 
 def _scene(**more):
     """Return a ball of skim milk on a floor, with a lamp, a dim sky, and what else is given."""
-    scene = scenes.camera(24) | {"sky": scenes.environment(0.2), "lamp": scenes.light((0.6, 0.7, 0.3))}
+    scene = scenes.camera(SIDE) | {"sky": scenes.environment(0.2), "lamp": scenes.light((0.6, 0.7, 0.3))}
     sigma_a, sigma_s, eta = scenes.SKIM_MILK
     scene["ball"] = {"type": "sphere", "radius": 8.0} | scenes.translucent(sigma_a, sigma_s, eta=eta)
     to_world = mi.ScalarTransform4f().translate([0, -10, 0]).rotate([1, 0, 0], -80).scale(14)
@@ -68,9 +69,9 @@ def test_a_frame_is_the_walks_picture(fresh, angle):
     parameters = mi.traverse(scene)
     parameters["lamp.to_world"] = viewer.light("lamp")["to_world"]
     parameters.update()
-    walk = measure.passes(scene, scenes.ours(), 256, 8, 100).mean
+    walk = measure.passes(scene, scenes.ours(), 32, 4, 100).mean
     frame = _steady(viewer)
-    ball = np.hypot(*(np.mgrid[:24, :24] - 11.5)) < 8.0
+    ball = np.hypot(*(np.mgrid[:SIDE, :SIDE] - (SIDE - 1) / 2)) < SIDE / 3
     for mask, bound in ((ball, 0.03), (~ball, 0.02)):
         ratio = frame[mask].mean(0) / walk[mask].mean(0) - 1
         print(angle, ratio)

@@ -69,7 +69,7 @@ def test_it_is_linear_and_its_channels_are_their_own(plane):
 
 
 def test_an_edge_of_light_is_where_the_walks_take_it(plane):
-    """Beside sums over the walks themselves, in strips: averaging takes no more than 1.5 % of the light elsewhere."""
+    """Beside sums over the walks themselves, in strips of some 110 nodes: within four standard errors, .006 each."""
     points = plane[0]
     walks = _walks(points, 4)
     lit = (points[:, 0] > 0).astype(float)
@@ -78,7 +78,7 @@ def test_an_edge_of_light_is_where_the_walks_take_it(plane):
     inner = np.abs(points[:, 1]) < 0.7
     for low in np.arange(-0.4, 0.4, 0.1):
         strip = inner & (points[:, 0] >= low) & (points[:, 0] < low + 0.1)
-        assert found[strip].mean() == pytest.approx(exact[strip].mean(), abs=0.015)
+        assert found[strip].mean() == pytest.approx(exact[strip].mean(), abs=0.024)
 
 
 def test_directions_are_remembered_at_both_ends(plane):
