@@ -20,7 +20,7 @@ from nephrite.plugins import auto
 from nephrite.plugins.media import WALK, Media
 from nephrite.plugins.transport import Transport
 from nephrite.plugins.winding import triangles
-from nephrite.transport.pyramid import Pyramid
+from nephrite.transport.pyramid import GRIDS, Pyramid
 
 FORMAT = "nephrite transport 1"
 LOST = 0.01  # of the light that enters a shape: what other objects in it may take
@@ -47,11 +47,14 @@ class Precomputed:
             zip(self.layouts, self.operators, strict=True)
         ):
             arrays |= {f"{i}.points": points, f"{i}.normals": normals, f"{i}.spacing": np.array(spacing)}
-            for name, matrix in _matrices(operator).items():
+            for name, matrices in _matrices(operator).items():
+                first = matrices[0]
                 arrays |= {
-                    f"{i}.{name}.{part}": getattr(matrix, part) for part in ("data", "indices", "indptr")
+                    f"{i}.{name}.data": np.stack([matrix.data for matrix in matrices]),
+                    f"{i}.{name}.indices": first.indices,
+                    f"{i}.{name}.indptr": first.indptr,
+                    f"{i}.{name}.shape": np.array(first.shape),
                 }
-                arrays[f"{i}.{name}.shape"] = np.array(matrix.shape)
         about = json.dumps({"format": FORMAT, "keys": self.keys})
         stream = io.BytesIO()
         np.savez(stream, about=np.array(about), **arrays)  # type: ignore[arg-type]
@@ -171,33 +174,25 @@ def load(path: str | os.PathLike) -> Precomputed:
     return Precomputed(layouts, operators, about["keys"])
 
 
-def _matrices(operator: Pyramid) -> dict[str, Any]:
-    """Return the matrices of an operator by name."""
-    found = {"smooth": operator.smooth} | {f"up{i}": up for i, up in enumerate(operator.ups)}
+def _matrices(operator: Pyramid) -> dict[str, list[Any]]:
+    """Return the matrices of an operator by name; those of a list differ in their values alone."""
+    found = {"smooth": [operator.smooth]} | {f"up{i}": [up] for i, up in enumerate(operator.ups)}
     for name, grids in (("mean", operator.means), ("moment", operator.moments)):
-        for grid, kernels in enumerate(grids):
-            for channel, kernel in enumerate(kernels or []):
-                found[f"{name}{grid}.{channel}"] = kernel
+        found |= {f"{name}{grid}": kernels for grid, kernels in enumerate(grids) if kernels}
     return found
 
 
 def _operator(arrays: dict[str, NDArray], prefix: str) -> Pyramid:
     """Return the operator that `_matrices` has named."""
 
-    def matrix(name: str) -> Any:
-        parts = [arrays[f"{prefix}{name}.{part}"] for part in ("data", "indices", "indptr")]
-        return sparse.csr_matrix(tuple(parts), shape=tuple(arrays[f"{prefix}{name}.shape"]))
+    def matrices(name: str) -> list[Any] | None:
+        name = f"{prefix}{name}."
+        if f"{name}data" not in arrays:
+            return None
+        indices, indptr = arrays[f"{name}indices"], arrays[f"{name}indptr"]
+        shape = tuple(arrays[f"{name}shape"])
+        return [sparse.csr_matrix((data, indices, indptr), shape=shape) for data in arrays[f"{name}data"]]
 
-    def kernels(name: str) -> list[Any] | None:
-        channels = [c for c in range(3) if f"{prefix}{name}.{c}.data" in arrays]
-        return [matrix(f"{name}.{c}") for c in channels] or None
-
-    grids = 1
-    while f"{prefix}up{grids - 1}.data" in arrays:
-        grids += 1
-    return Pyramid(
-        [matrix(f"up{i}") for i in range(grids - 1)],
-        [kernels(f"mean{i}") for i in range(grids)],
-        [kernels(f"moment{i}") for i in range(grids)],
-        matrix("smooth"),
-    )
+    smooth, *ups = (matrices(name) or [None] for name in ("smooth", *(f"up{i}" for i in range(GRIDS - 1))))
+    means, moments = ([matrices(f"{name}{i}") for i in range(GRIDS)] for name in ("mean", "moment"))
+    return Pyramid([up[0] for up in ups], means, moments, smooth[0])

@@ -65,7 +65,7 @@ class Pyramid:
 
     `ups`: from each grid's cells to those of the grid before; `means`, `moments`: for each grid, None or the kernels
     between its cells, one a channel. Kernels of means are [cells, cells]; those of moments, [4 cells, 4 cells], take a
-    mean and three moments to such, but no mean to a mean.
+    mean and three moments to such, but no mean to a mean. The kernels of a grid have their entries in the same places.
     """
 
     def __init__(self, ups: list[Any], means: list[Any], moments: list[Any], smooth: Any) -> None:
