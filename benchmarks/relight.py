@@ -1,10 +1,10 @@
-"""Relighting of benchmark scene B1, the skim-milk dragon at 400 x 300: what a frame with a moved light costs, and its bias.
+"""Relighting of benchmark scene B1, the skim-milk dragon at 400 x 300: what a frame costs, and its bias.
 
     .venv/bin/python benchmarks/relight.py [--spp 0] [--positions 24] [--transport FILE] [--pictures FOLDER]
 
-Times are wall clock: of moving the light, and of the frame that follows. With `--spp`, frames are compared with the walk
-of so many samples a pixel, under B1's own light and under one in front: bias over the object's pixels, and the worst of
-the blocks of 16 x 16 pixels, each with the standard error of the walk.
+Times are wall clock: of moving the light, and of the frame that follows. With `--spp`, frames are compared with the
+walk of so many samples a pixel, under B1's own light and under one in front: bias over the object's pixels, and the
+worst of the blocks of 16 x 16 pixels, with the standard error of the walk.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def placed(position: Any) -> Any:
 
 
 def timed(viewer: Viewer, count: int) -> tuple[NDArray, dict[str, float]]:
-    """Return milliseconds of frames with the light at `count` places around the dragon, and the median of their parts."""
+    """Return milliseconds of frames with the light at `count` places around the dragon, and medians of their parts."""
     light, every, parts = viewer.light("light"), [], []
     for angle in 2 * np.pi * np.arange(-2, count) / count:
         start = time.perf_counter()
@@ -81,7 +81,8 @@ def compared(frame: NDArray, walk: NDArray, variance: NDArray, mask: NDArray) ->
     error = np.sqrt(blocks(np.repeat(variance.max(-1, keepdims=True), 3, -1), mask)) / reference
     rms = np.sqrt(max(float((apart**2 - error**2).mean()), 0.0))
     shown = ", ".join(f"{b:+.1f}" for b in bias)
-    return f"bias {shown} %, worst block {100 * apart[worst]:+.0f} +- {100 * error[worst]:.0f} %, blocks rms {100 * rms:.1f} %"
+    furthest = f"{100 * apart[worst]:+.0f} +- {100 * error[worst]:.0f} %"
+    return f"bias {shown} %, worst block {furthest}, blocks rms {100 * rms:.1f} %"
 
 
 def main() -> None:

@@ -166,6 +166,10 @@ def test_what_is_not_shown_is_refused_by_name(viewer):
     rough = {"type": "sphere", "radius": 8.0} | scenes.translucent(0.0, 1.0, alpha=0.2)
     with pytest.raises(ParameterError, match="rough surface"):
         Viewer(mi.load_dict(_scene(ball=rough)), walks=1000)
+    dark = _scene()
+    del dark["lamp"], dark["sky"]
+    with pytest.raises(ParameterError, match="no light"):
+        Viewer(mi.load_dict(dark), walks=1000)
     without = _scene()
     del without["ball"]
     with pytest.raises(ParameterError, match="no translucent object"):

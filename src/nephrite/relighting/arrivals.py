@@ -77,11 +77,12 @@ class Gather:
         n = mi.Vector3f(at.n)
         sums = [mi.Spectrum(0) for _ in range(4)]
         plain = mi.Spectrum(0)
+        fresnel: Any = mi.fresnel
         for i in range(FOR_NODE):
             d, light = lamp.sent(self._solid, at, self._on_nodes(FOR_NODE * turn + i))
             cosine = dr.maximum(dr.dot(d, n), 0)
             light = light * (cosine / FOR_NODE)
-            through = 1 - mi.fresnel(cosine, self._eta)[0]
+            through = 1 - fresnel(cosine, self._eta)[0]
             deep = lookup.sensitivity(node, cosine) * light
             tangential = d - n * cosine
             for j, factor in enumerate((mi.Float(1), *tangential)):

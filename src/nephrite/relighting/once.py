@@ -12,11 +12,11 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
 from nephrite.physics import phase
 from nephrite.plugins import channels, interface
 from nephrite.plugins.lookup import Lookup
+from nephrite.relighting.matrices import of_entries
 
 PATHS = 48  # from a node
 _SEGMENTS = 3  # of a path after the event; reflected inside at their ends
@@ -75,9 +75,7 @@ def scattered_once(
         dr.eval(there, leaves, weight, ray)
         kept = np.flatnonzero(np.array(dr.max(leaves) > 0))
         entries.append((np.array(node)[kept], np.array(there)[kept], np.array(leaves).T[kept]))
-    row, column, values = (np.concatenate(part) for part in zip(*entries, strict=True))
-    shape = (len(lookup.points),) * 2
-    return [sparse.csr_matrix((values[:, c], (row, column)), shape=shape) for c in range(values.shape[1])]
+    return of_entries(entries, (len(lookup.points), len(lookup.points)))
 
 
 def _gathered(rows: list[NDArray], which: Any) -> Any:

@@ -66,6 +66,8 @@ class Stage:
         self.solid = _scene([shape for shape in shapes if not shape.is_emitter()])
         own = [(shape.emitter(), shape) for shape in shapes if shape.is_emitter()]
         own += [(emitter, None) for emitter in scene.emitters() if emitter.get_shape() is None]
+        if not own:
+            raise ParameterError("the scene has no light: add an emitter to it.")
         self.lamps = {lamp.name: lamp for lamp in (Lamp(*pair) for pair in own)}
 
 

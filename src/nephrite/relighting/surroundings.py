@@ -78,7 +78,9 @@ class Surroundings:
 
     def nearest(self, points: NDArray) -> NDArray:
         """Return the stations nearest to points."""
-        return self._tree.query(points, workers=-1)[1] if self._tree else np.zeros(len(points), int)
+        return (
+            np.asarray(self._tree.query(points, workers=-1)[1]) if self._tree else np.zeros(len(points), int)
+        )
 
     def _nothing(self, rows: int) -> Seen:
         return Seen(
@@ -119,7 +121,8 @@ class Surroundings:
         hits = active & lookup.known(si.shape)
         which = lookup.number(si.shape, hits)
         cosine = dr.abs(dr.dot(si.wi, mi.Vector3f(0, 0, 1)))
-        through = 1 - mi.fresnel(cosine, dr.gather(mi.Float, lookup.eta, which, hits))[0]
+        fresnel: Any = mi.fresnel
+        through = 1 - fresnel(cosine, dr.gather(mi.Float, lookup.eta, which, hits))[0]
         return hits, dr.select(hits, through * lookup.depth(which, cosine), 0)
 
     def node(self, si: Any, active: Any) -> Any:

@@ -17,6 +17,7 @@ from scipy import sparse
 
 from nephrite.plugins import interface
 from nephrite.plugins.lookup import REACH, Lookup
+from nephrite.relighting.matrices import of_entries
 from nephrite.relighting.samples import TILE, Sequence, over_pixels
 from nephrite.relighting.surroundings import FROM_PIXELS, Open, Seen, Surroundings, faced
 from nephrite.transport.nodes import interpolation
@@ -46,8 +47,7 @@ class View:
         rays, pixel = _rays(sensor, self.width, self.height)
         si = solid.ray_intersect(rays)
         hits, shown = surroundings.sent(si, si.is_valid())
-        number = media.number(si.shape)
-        number = dr.select(si.is_valid(), number, 0)
+        number = dr.select(si.is_valid(), media.number(si.shape), 0)
         x = interface.cross(si, rays.d, dr.select(hits, media.lookup(media.eta, number), 1.5))
         dr.eval(si, hits, shown, x, number)
         hit = np.flatnonzero(np.array(hits))
@@ -68,15 +68,8 @@ class View:
         weight[first] = solid_count[pixel[first]] / SIDE**2
         kept = np.flatnonzero(weight > 0)
         until = np.where(valid, np.array(si.t), np.finfo(np.float32).max)
-        self._open.append(
-            (
-                np.array(rays.o).T[kept],
-                np.array(rays.d).T[kept],
-                until[kept],
-                pixel[kept],
-                np.repeat(weight[kept, None], 3, 1),
-            )
-        )
+        o, d = np.array(rays.o).T[kept], np.array(rays.d).T[kept]
+        self._open.append((o, d, until[kept], pixel[kept], np.repeat(weight[kept, None], 3, 1)))
 
     def _look(
         self, si: Any, x: Any, shown: Any, hit: NDArray, pixel: NDArray, rays: Any, layouts: Any
@@ -133,7 +126,7 @@ class View:
         return tuple(np.concatenate(part) for part in zip(*parts, strict=True))
 
     def _follow(self, o: NDArray, d: NDArray, pixel: NDArray, weight: NDArray) -> None:
-        """Find what such rays meet; `reflected` holds the matrices from X and from stations' radiance, one a channel."""
+        """Find what such rays meet; `reflected` holds matrices from X and from stations' radiance, one a channel."""
         lookup, shape = self._lookup, (self.pixels, len(self._lookup.points))
         entries: list[list[tuple[Any, ...]]] = [[], []]
         for _ in range(REFLECTIONS):
@@ -160,7 +153,7 @@ class View:
             o, d = np.array(following.o).T[kept], np.array(following.d).T[kept]
             pixel, weight = pixel[kept], weight[kept]
         shapes = (shape, (self.pixels, self._surroundings.count))
-        self.reflected = [_channels(parts, size) for parts, size in zip(entries, shapes, strict=True)]
+        self.reflected = [of_entries(parts, size) for parts, size in zip(entries, shapes, strict=True)]
 
     def _points(self, rays: Any, si: Any, hits: Any, pixel: NDArray) -> None:
         """Choose a point of the other surfaces in each pixel that shows one."""
@@ -185,7 +178,7 @@ class View:
         )
 
     def _neighbours(self, x: NDArray, y: NDArray) -> Any:
-        """Return the mean over pixels around, of the same surface: a window in which each of a tile's has equal weight."""
+        """Return the mean over pixels around, of the same surface; each of a tile's has equal weight in it."""
         place = np.full((self.height, self.width), -1)
         place[y, x] = np.arange(len(x))
         n, p = np.array(self.at.sh_frame.n).T, np.array(self.at.p).T
@@ -208,9 +201,8 @@ class View:
                 a, b = a[alike], b[alike]
                 rows.append(a)
                 columns.append(b)
-                weights.append(
-                    np.full(len(a), (0.5 if abs(dx) == half else 1) * (0.5 if abs(dy) == half else 1))
-                )
+                edges = (abs(dx) == half) + (abs(dy) == half)
+                weights.append(np.full(len(a), 0.5**edges))
         index = np.concatenate(rows), np.concatenate(columns)
         matrix = sparse.csr_matrix((np.concatenate(weights), index), shape=(len(x),) * 2)
         return (sparse.diags(1 / np.asarray(matrix.sum(axis=1)).ravel()) @ matrix).astype(np.float32)
@@ -220,28 +212,17 @@ def _rays(sensor: Any, width: int, height: int) -> tuple[Any, Any]:
     """Return the camera's rays, on a square grid in each pixel, and the pixels that they belong to."""
     index = dr.arange(mi.UInt32, width * height * SIDE**2)
     pixel, part = index // SIDE**2, index % SIDE**2
-    spot = mi.Point2f(
-        (pixel % width + (part % SIDE + 0.5) / SIDE) / width,
-        (pixel // width + (part // SIDE + 0.5) / SIDE) / height,
-    )
+    x = mi.Float(pixel % width) + (mi.Float(part % SIDE) + 0.5) / SIDE
+    y = mi.Float(pixel // width) + (mi.Float(part // SIDE) + 0.5) / SIDE
+    spot = mi.Point2f(x / width, y / height)
     ray = sensor.sample_ray(sensor.shutter_open(), 0.5, spot, mi.Point2f(0.5))[0]
     dr.eval(ray, pixel)
     return mi.Ray3f(ray), pixel
 
 
-def _channels(parts: list[tuple[Any, ...]], shape: tuple[int, int]) -> list[Any]:
-    """Return a matrix for each channel of entries (row, column, weights)."""
-    if not parts:
-        return [sparse.csr_matrix(shape, dtype=np.float32)] * 3
-    row, column, weight = (np.concatenate(part) for part in zip(*parts, strict=True))
-    return [
-        sparse.csr_matrix((weight[:, c].astype(np.float32), (row, column)), shape=shape) for c in range(3)
-    ]
-
-
 def _joined(parts: list[tuple[Any, ...]]) -> Open:
     o, d, until, pixel, weight = (np.concatenate(part) for part in zip(*parts, strict=True))
-    ray = mi.Ray3f(mi.Point3f(o.T), mi.Vector3f(d.T))
+    ray: Any = mi.Ray3f(mi.Point3f(o.T), mi.Vector3f(d.T))
     ray.maxt = mi.Float(until)
     found = Open(ray, mi.UInt32(pixel), mi.Spectrum(weight.T.astype(np.float32)))
     dr.eval(found.ray, found.owner, found.weight)

@@ -10,6 +10,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
+from scipy import linalg, sparse
 
 from nephrite.errors import VariantError, unknown_name
 from nephrite.plugins.lookup import Lookup
@@ -104,22 +105,14 @@ class Viewer:
         start = time.perf_counter()
         digest = _state(self._sensor)
         if digest != self._camera:
-            self.view = View(
-                self._stage.solid,
-                self._sensor,
-                self._lookup,
-                self._surroundings,
-                self.transport.layouts,
-                self._media,
-            )
+            solid, lookup, around = self._stage.solid, self._lookup, self._surroundings
+            self.view = View(solid, self._sensor, lookup, around, self.transport.layouts, self._media)
             seen = np.flatnonzero(np.diff(self.view.nodes.tocsc().indptr))
-            self._once = scattered_once(
-                self._stage.solid, self._lookup, self._members, seen, self.view.toward
-            )
-            n = self._lookup.normals
+            self._once = scattered_once(solid, lookup, self._members, seen, self.view.toward)
+            n = lookup.normals
             tangential = self.view.toward - n * np.einsum("ij,ij->i", n, self.view.toward)[:, None]
             self._toward = np.column_stack([np.ones(len(n)), tangential]).astype(np.float32)
-            self._gathering = Gather(self._stage.solid, self._lookup, self._surroundings, self.view)
+            self._gathering = Gather(solid, lookup, around, self.view)
             self._camera = digest
             self._states, self._arrived = {}, {}
         self.seconds["camera"] = time.perf_counter() - start
@@ -153,7 +146,8 @@ class Viewer:
         start = time.perf_counter()
         channels = [self._channel(arrived, c) for c in range(3)]
         self.seconds["picture"] = time.perf_counter() - start
-        return np.stack(channels, axis=1).reshape(self.view.height, self.view.width, 3)
+        picture = np.maximum(np.stack(channels, axis=1), 0)
+        return picture.reshape(self.view.height, self.view.width, 3)
 
     def _channel(self, arrived: Arrived, c: int) -> NDArray[np.float32]:
         """Return one channel of it, [pixels]: light goes to stations, between surfaces, through objects, to the eye."""
@@ -172,7 +166,7 @@ class Viewer:
         carried = np.concatenate([operator.channel(arriving[own], c) for operator, own in operators])
         shallow = (arrived.plain[c] - self._kept * arrived.nodes[c, 0]) / (1 - self._kept) + more
         sent = carried[:, 0] + self._once_sent[:, c] * shallow
-        shown = np.maximum(np.einsum("ij,ij->i", self._toward, carried), 0) + self._once[c] @ shallow
+        shown = np.einsum("ij,ij->i", self._toward, carried) + self._once[c] @ shallow
         radiance = radiance + around.albedo[:, c] * (
             around.from_stations.nodes @ sent + around.from_stations.stations @ radiance
         )
@@ -191,8 +185,6 @@ class Viewer:
 
     def _coarse(self, scattered_once: list[Any]) -> None:
         """Prepare what comes of light that goes from object to object, or over stations and back."""
-        from scipy import linalg, sparse
-
         operators = self.transport.operators
         up = sparse.block_diag([operator.up(len(operator.ups)) for operator in operators], "csr")
         down = averaging(up)
