@@ -91,7 +91,7 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--spp", type=int, default=0)
-    parser.add_argument("--positions", type=int, default=24)
+    parser.add_argument("--positions", type=int, default=36)
     parser.add_argument("--transport", type=Path)
     parser.add_argument("--pictures", type=Path)
     given = parser.parse_args()
