@@ -39,7 +39,7 @@ def test_a_glowing_ball_has_the_closed_form(sigma_a, unit):
         mi.ScalarTransform4f().look_at(origin=[0, 0, 55], target=[0, 0, 0], up=[0, 1, 0]).scale([12, 12, 1])
     )
     scene["sensor"] = {"type": "orthographic", "to_world": to_world, "film": scene["sensor"]["film"]}
-    found = measure.passes(scene, scenes.ours(), 2048, 8, 100)
+    found = measure.passes(scene, scenes.ours(), 8192, 8, 100)
     x = (np.arange(side * 32) + 0.5) / (side * 32) * 24 - 12
     chord = 2 * np.sqrt(np.maximum(radius**2 - x[:, None] ** 2 - x[None] ** 2, 0)) * unit
     along = np.stack([chord if a == 0 else (1 - np.exp(-a * chord)) / a for a in sigma_a], -1)
