@@ -3,8 +3,7 @@
     .venv/bin/python benchmarks/relight.py [--spp 0] [--positions 24] [--transport FILE] [--pictures FOLDER]
 
 Times are wall clock: of moving the light, and of the frame that follows. With `--spp`, frames are compared with the
-walk of so many samples a pixel, under B1's own light and under one in front: bias over the object's pixels, and the
-worst of the blocks of 16 x 16 pixels, with the standard error of the walk.
+walk of so many samples a pixel, under B1's own light and under one in front: see `nephrite.atlas.compared`.
 """
 
 from __future__ import annotations
@@ -20,13 +19,14 @@ from efficiency import scene
 from numpy.typing import NDArray
 
 import nephrite
+from nephrite.atlas.compared import Estimate, difference
 from nephrite.image import figure, write
 from nephrite.relighting import Viewer, load, precompute
 from nephrite.scene.translucent import object_mask
 
 OWN, FRONT = (-0.9, 1.6, -0.9), (0.9, 1.4, 0.8)  # positions of the light, in units of the dragon's size
 SIZE, HALF_SIDE, AIM = 100.0, 0.35, (0.0, 0.3, 0.0)
-BLOCK, PASSES = 16, 8
+PASSES = 8
 
 
 def placed(position: Any) -> Any:
@@ -51,38 +51,22 @@ def timed(viewer: Viewer, count: int) -> tuple[NDArray, dict[str, float]]:
     }
 
 
-def walked(b1: Any, position: Any, spp: int) -> tuple[NDArray, NDArray]:
-    """Return the walk's picture, and its variance."""
+def walked(b1: Any, position: Any, spp: int) -> Estimate:
+    """Return the walk's picture."""
     parameters = mi.traverse(b1)
     parameters["light.to_world"] = placed(position)
     parameters.update()
     walk: Any = mi.load_dict({"type": "translucent_path", "model": "walk"})
     each = max(spp // PASSES, 1)
     passes = [mi.render(b1, integrator=walk, spp=each, seed=i).numpy()[..., :3] for i in range(PASSES)]  # type: ignore[arg-type]
-    return np.mean(passes, axis=0), np.var(passes, axis=0, ddof=1) / PASSES
+    return Estimate(np.mean(passes, axis=0), np.std(passes, axis=0, ddof=1) / PASSES**0.5)
 
 
-def blocks(values: NDArray, mask: NDArray) -> NDArray:
-    """Return sums over the blocks that the mask fills to a half."""
-    height, width = (side // BLOCK for side in mask.shape)
-    inside = np.where(mask[..., None], values, 0.0)[: height * BLOCK, : width * BLOCK]
-    filled = mask[: height * BLOCK, : width * BLOCK].reshape(height, BLOCK, width, BLOCK).sum((1, 3))
-    sums = inside.mean(-1).reshape(height, BLOCK, width, BLOCK).sum((1, 3))
-    return sums[filled >= BLOCK**2 / 2]
-
-
-def compared(frame: NDArray, walk: NDArray, variance: NDArray, mask: NDArray) -> str:
-    """Return bias and worst block in words."""
-    bias = 100 * (frame[mask].mean(0) / walk[mask].mean(0) - 1)
-    reference = blocks(walk, mask)
-    apart = blocks(frame, mask) / reference - 1
-    worst = np.abs(apart).argmax()
-    # channels of a path vary together
-    error = np.sqrt(blocks(np.repeat(variance.max(-1, keepdims=True), 3, -1), mask)) / reference
-    rms = np.sqrt(max(float((apart**2 - error**2).mean()), 0.0))
-    shown = ", ".join(f"{b:+.1f}" for b in bias)
-    furthest = f"{100 * apart[worst]:+.0f} +- {100 * error[worst]:.0f} %"
-    return f"bias {shown} %, worst block {furthest}, blocks rms {100 * rms:.1f} %"
+def compared(frame: NDArray, walk: Estimate, mask: NDArray) -> str:
+    """Return bias, error and worst block in words."""
+    found = difference(Estimate(frame, np.zeros_like(frame)), walk, mask)
+    values = [100 * x for x in (found.bias, found.error, found.error_error, found.worst, found.worst_error)]
+    return "bias {:+.1f} %, error {:.1f} +- {:.1f} %, worst block {:+.0f} +- {:.0f} %".format(*values)
 
 
 def main() -> None:
@@ -120,13 +104,13 @@ def main() -> None:
         return
     mask = object_mask(b1)
     for name, position in (("own", OWN), ("front", FRONT)):
-        walk, variance = walked(b1, position, given.spp)
+        walk = walked(b1, position, given.spp)
         viewer.light("light").update()
         frame = viewer.frame()
-        print(f"{name} light, object: {compared(frame, walk, variance, mask)}")
-        print(f"{name} light, around: {compared(frame, walk, variance, ~mask)}")
+        print(f"{name} light, object: {compared(frame, walk, mask)}")
+        print(f"{name} light, around: {compared(frame, walk, ~mask)}")
         if given.pictures is not None:
-            page = figure.side_by_side([frame, walk], ["viewer, one frame", "walk"])
+            page = figure.side_by_side([frame, walk.mean], ["viewer, one frame", "walk"])
             write.save(given.pictures / f"relight-{name}.png", page)
 
 

@@ -6,16 +6,9 @@ import numpy as np
 import pytest
 
 from nephrite.transport.carried import Carried, Walks
-from nephrite.transport.nodes import spread
+from support import nodes
 
 SPACING, EACH = 0.05, 16
-
-
-def _plane():
-    points = np.column_stack([np.random.default_rng(1).uniform(-1, 1, (8_000, 2)), np.zeros(8_000)])
-    normals = np.tile([0.0, 0.0, 1.0], (len(points), 1))
-    kept = spread(points, normals, SPACING)
-    return points[kept], normals[kept]
 
 
 def _walks(points, seed, along=0.0):
@@ -51,7 +44,7 @@ def _arriving(points, mean, moment=0.0):
 
 @pytest.fixture(scope="module")
 def plane():
-    return _plane()
+    return nodes.plane(SPACING)
 
 
 def test_even_light_stays_even(plane):

@@ -3,17 +3,11 @@
 import numpy as np
 import pytest
 
-from nephrite.transport.nodes import interpolation, spread
+from nephrite.transport.nodes import interpolation
 from nephrite.transport.pyramid import Ends, Pyramid
+from support import nodes
 
 SPACING, EACH, FREE = 0.05, 64, 0.05
-
-
-def _plane():
-    points = np.column_stack([np.random.default_rng(1).uniform(-1, 1, (8_000, 2)), np.zeros(8_000)])
-    normals = np.tile([0.0, 0.0, 1.0], (len(points), 1))
-    kept = spread(points, normals, SPACING)
-    return points[kept], normals[kept]
 
 
 def _walks(points, seed, along=0.0):
@@ -38,7 +32,7 @@ def _walks(points, seed, along=0.0):
 
 @pytest.fixture(scope="module")
 def plane():
-    return _plane()
+    return nodes.plane(SPACING)
 
 
 def _arriving(points, mean, moment=0.0):

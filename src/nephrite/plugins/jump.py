@@ -66,7 +66,7 @@ def arriving(albedo: Any, share: Any) -> Any:
 def begin(worth: Any, active: Any) -> Search:
     """Start to search the surface; `worth` of the path, relative to its start, is the number of chords, rounded down.
 
-    What one chord finds varies by half. Paths that get from fold to fold multiply it: with one chord for each jump a
+    What one chord finds varies. Paths that get from fold to fold multiply it: with one chord for each jump a
     few become worth hundreds of others, and are seen as fireflies. The more is at stake, the better a jump is sampled.
     Few paths are ever worth 2, and none on a convex body.
     """

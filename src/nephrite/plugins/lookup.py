@@ -14,8 +14,8 @@ from nephrite.physics.single import deep_share
 from nephrite.plugins.layout import at_nodes
 from nephrite.plugins.media import identity
 from nephrite.transport.nearby import Nearby
+from nephrite.transport.nodes import REACH
 
-REACH = 1.75  # of lookups, in spacings of nodes
 _COSINES = (np.arange(64) + 0.5) / 64
 
 Layout = tuple[NDArray, NDArray, float]

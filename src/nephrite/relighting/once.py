@@ -52,8 +52,7 @@ def scattered_once(
         inward = interface.cross(here, -here.sh_frame.to_world(local), eta)
         entered = (1 - inward.reflectance) / dr.gather(mi.Float, lookup.normalization, which)
     ray = here.spawn_ray(inward.refracted)
-    until = solid.ray_intersect(ray).t
-    until = dr.minimum(until, 1e30)
+    until = dr.minimum(solid.ray_intersect(ray).t, 1e30)
     chance = 1 - dr.exp(-sigma_t * until)
     leader = lane % len(sigma_t)
     distance = -dr.log(1 - sampler.next_1d() * channels.pick(chance, leader)) / channels.pick(sigma_t, leader)

@@ -17,13 +17,13 @@ from scipy import sparse
 from nephrite.errors import ParameterError
 from nephrite.image import write
 from nephrite.plugins import auto
+from nephrite.plugins.kept import LOST
 from nephrite.plugins.media import WALK, Media
 from nephrite.plugins.transport import Transport
 from nephrite.plugins.winding import triangles
 from nephrite.transport.pyramid import GRIDS, Pyramid
 
 FORMAT = "nephrite transport 1"
-LOST = 0.01  # of the light that enters a shape: what other objects in it may take
 
 Key = dict[str, Any]
 

@@ -61,7 +61,7 @@ class Surroundings:
         self.count = len(chosen)
         self._tree = KDTree(np.array(self.at.p).T) if self.count else None
         self.from_nodes = self._seen(sent, len(lookup.points))
-        self.open = _reflections(sent[1:])
+        self.open = _reflections(sent[1] if len(sent) > 1 else None)
         self.from_stations = self.seen(self.at, FROM_STATIONS, 2) if self.count else self._nothing(0)
 
     @staticmethod
@@ -171,15 +171,15 @@ class Open:
     weight: Any
 
 
-def _reflections(parts: tuple[_Sent, ...]) -> Open | None:
+def _reflections(sent: _Sent | None) -> Open | None:
     """Return the rays on which nodes see lamps reflected in objects."""
-    for sent in parts:
-        ray = mi.Ray3f(sent.ray)
-        ray.maxt = dr.select(sent.si.is_valid(), sent.si.t, dr.largest(mi.Float))
-        found = Open(ray, sent.origin, mi.Spectrum(sent.weight))
-        dr.eval(found.ray, found.owner, found.weight)
-        return found
-    return None
+    if sent is None:
+        return None
+    ray = mi.Ray3f(sent.ray)
+    ray.maxt = dr.select(sent.si.is_valid(), sent.si.t, dr.largest(mi.Float))
+    found = Open(ray, sent.origin, mi.Spectrum(sent.weight))
+    dr.eval(found.ray, found.owner, found.weight)
+    return found
 
 
 def interreflection(sent: list[NDArray], again: list[NDArray]) -> list[NDArray]:

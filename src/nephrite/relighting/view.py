@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from nephrite.plugins import interface
-from nephrite.plugins.lookup import REACH, Lookup
+from nephrite.plugins.lookup import Lookup
 from nephrite.relighting.matrices import of_entries
 from nephrite.relighting.samples import TILE, Sequence, over_pixels
 from nephrite.relighting.surroundings import FROM_PIXELS, Open, Seen, Surroundings, faced
-from nephrite.transport.nodes import interpolation
+from nephrite.transport.nodes import REACH, interpolation
 
 SIDE = 2  # of the square of rays in a pixel
 REFLECTIONS = 3

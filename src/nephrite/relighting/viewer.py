@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import time
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import drjit as dr
@@ -145,8 +144,7 @@ class Viewer:
     def _show(self, arrived: Arrived) -> NDArray[np.float32]:
         """Return the picture that comes of what arrives."""
         start = time.perf_counter()
-        with ThreadPoolExecutor(3) as pool:  # SciPy's products let each other run
-            channels = list(pool.map(lambda c: self._channel(arrived, c), range(3)))
+        channels = [self._channel(arrived, c) for c in range(3)]
         self.seconds["picture"] = time.perf_counter() - start
         picture = np.maximum(np.stack(channels, axis=1), 0)
         return picture.reshape(self.view.height, self.view.width, 3)

@@ -12,6 +12,9 @@ from scipy.spatial import KDTree
 DENSITY = 0.7
 """Nodes per squared spacing that `spread` leaves, about."""
 
+REACH = 1.75
+"""How far points look for nodes, in spacings."""
+
 _BALANCING = 30  # rounds of scaling; errors are below 1e-5 then
 _MOST_NEAR = (
     16  # nodes that a point looks at: on both sides of a thin part, about as many as lie within reach

@@ -17,9 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from nephrite.transport.nodes import interpolation, smoothing, spread
+from nephrite.transport.nodes import REACH, interpolation, smoothing, spread
 
-REACH = 1.75  # of interpolation, in widths of cells
 MEANS = ((0, 1, 2), (3,), (4,), (5,))
 """Levels of distance whose walks are counted between the cells of each grid: the nodes, cells of 2, 4, 8 spacings."""
 
