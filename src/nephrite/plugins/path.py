@@ -15,7 +15,7 @@ import mitsuba as mi
 
 from nephrite.bssrdf import lobe
 from nephrite.physics import phase
-from nephrite.plugins import channels, interface, jump
+from nephrite.plugins import channels, glints, interface, jump
 from nephrite.plugins.exits import connection_count, leave, light_density, toward
 from nephrite.plugins.media import Media
 from nephrite.plugins.settings import Settings
@@ -50,6 +50,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
     longest = dr.norm(scene.bbox().extents()) if scene.bbox().valid() else 1.0
     context = mi.BSDFContext()
     connections = connection_count(scene, media)
+    lamps = glints.lamps(scene)
 
     # fmt: off
     # --- The path ---------------------------------------------------------------------------------------------------
@@ -69,6 +70,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
     last_p = mi.Point3f(0)                              # Last vertex that lights were connected to,
     last_pdf = mi.Float(0)                              # density of the direction chosen there,
     last_delta = mi.Bool(True)                          # and whether lights are found by that direction alone
+    after_glint = mi.Bool(False)                        # Have lamps ahead been counted already?
 
     # --- The walk ---------------------------------------------------------------------------------------------------
     within, within_shape = mi.UInt32(0), mi.UInt32(0)   # Material and shape that the path is in; 0: none
@@ -95,7 +97,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                 ray, β, position = source.ray(sampler, fresh)
                 initial, ratio = dr.sum(β), channels.solo(β)
                 L, valid, depth, order = mi.Spectrum(0), mi.Bool(False), mi.UInt32(0), mi.UInt32(0)
-                last_delta = mi.Bool(True)
+                last_delta, after_glint = mi.Bool(True), mi.Bool(False)
                 within, within_shape = mi.UInt32(0), mi.UInt32(0)
                 outer, outer_shape = mi.UInt32(0), mi.UInt32(0)
                 paths += 1
@@ -107,7 +109,11 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
         inside = (within != 0) & ~searching
         leading = channels.pick(sigma_t, channel)
         free = -dr.log(1 - sampler.next_1d(active)) / leading
-        ray.maxt = dr.select(inside & (leading > 0), free, dr.largest(mi.Float))
+        # what would end at its next event goes through to the surface, for what of its light gets there
+        through = inside & ~s.may_go_on(order + 1)
+        if dr.hint(media.any_low, mode="scalar"):
+            through |= inside & (events > 0) & media.low(within)
+        ray.maxt = dr.select(inside & ~through & (leading > 0), free, dr.largest(mi.Float))
         if dr.hint(media.any_jump, mode="scalar"):
             ray.maxt = dr.select(searching, search.left, ray.maxt)
         hit = scene.ray_intersect_preliminary(ray, coherent=False, active=active)
@@ -121,13 +127,13 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             # one point of the segment stands for its emission, of which 1 / eta^2 leaves per solid angle
             part = sampler.next_1d(active) * dr.minimum(distance, 10 * longest)
             to_point = dr.exp(-sigma_t * part)
-            chance = dr.sum(ratio * to_point)
+            chance = dr.sum(ratio * dr.select(through, 1, to_point))
             here = β * to_point * emitted * dr.minimum(distance, 10 * longest) / dr.maximum(chance, 1e-30)
             scale = dr.rcp(dr.square(media.lookup(media.eta, within)))
-            L[active & inside & _wanted(s, order)] += here * scale
+            L[active & inside & s.wants(order)] += here * scale
 
         along = dr.exp(-sigma_t * distance)
-        density = along * dr.select(scatters, sigma_t, 1)
+        density = dr.select(through, 1, along * dr.select(scatters, sigma_t, 1))
         of_leader = dr.maximum(channels.pick(density, channel), 1e-30)
         stays = inside & ~escapes
         β[stays] = β * along * dr.select(scatters, sigma_s, 1) / of_leader
@@ -142,9 +148,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
         ray.o[scatters] = ray(distance)
         ray.d[scatters] = turned
         weight = β / dr.sum(ratio)
-        dead = active & ~_may_go_on(s, order)
-        if dr.hint(media.any_low, mode="scalar"):
-            dead |= scatters & (events > 1) & media.low(within)
+        dead = active & ~s.may_go_on(order)
 
         # --- Jump: at the second event a diffusion model takes over, and looks for where the light comes out ----------
         jumps = mi.Bool(False)
@@ -188,7 +192,8 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
 
             # Light that the path has run into
             emitter = si.emitter(scene, reaches)
-            sees = reaches & (emitter != None) & _wanted(s, order)  # noqa: E711
+            sees = reaches & (emitter != None) & s.wants(order)  # noqa: E711
+            sees &= ~(after_glint & si.is_valid())
             if dr.hint(s.hide_emitters, mode="scalar"):
                 sees &= depth > 0
             if sees:
@@ -229,6 +234,15 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                     rough_pdf = bs.pdf
                     rough_delta = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
                     dead |= bs.pdf <= 0
+
+            # What needs no choice between the two: transport's multiple scattering, and lamps that are mirrored
+            meets_surface = crossing & ~leaving & ~rough & ~stale
+            L += weight * (1 - x.reflectance) * media.transported(s, number, si, outward, -ray.d, meets_surface)
+            glint = mi.Bool(False)
+            if dr.hint(lamps, mode="scalar"):
+                glint = meets_surface & s.wants(order) & glints.may_meet(lamps, si.p, x.reflected)
+                if glint:
+                    L += weight * x.reflectance * glints.lamp(scene, si.spawn_ray(x.reflected), glint)
             passes = crossing & ~reflects & ~stale
             direction = dr.select(stale, ray.d, direction)
             outer = dr.select(stale, 0, outer)
@@ -243,7 +257,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                     landing_weight = mi.Spectrum(media.shown(number, absorbed, scattered))
                     order += 2
                 landed |= local
-                dead |= local & ~_may_go_on(s, order)
+                dead |= local & ~s.may_go_on(order)
                 enters &= ~local
 
             # Where it leaves: the point, the direction, and the lobe that lights see
@@ -269,7 +283,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
 
             # Connect to lights
             connects = (
-                ((opaque & ~inside) | ((rough | by_lobe) & (to_medium == 0))) & ~dead & _wanted(s, order)
+                ((opaque & ~inside) | ((rough | by_lobe) & (to_medium == 0))) & ~dead & s.wants(order)
             )
             bsdf = si.bsdf()
             if connects:
@@ -330,7 +344,6 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                     g = media.lookup(media.g, within)
                     if dr.hint(media.any_emission, mode="scalar"):
                         emitted = media.emitted(within, si, enters | bounced)
-                    L += β * media.transported(s, number, si, outward, -ray.d, enters)
                     entered = dr.max(β)
                     started += entered
                     channel, β, ratio = channels.lead(β, sigma_t, sampler.next_1d())
@@ -342,6 +355,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                     entry_side = dr.select(dr.dot(si.n, outward) > 0, mi.Float(1), mi.Float(-1))
             depth[opaque | (crossing & reflects & ~leaving)] += 1
 
+            after_glint = glint & reflects
             time, wavelengths = ray.time, ray.wavelengths
             following = at.spawn_ray(direction)
             following.time, following.wavelengths = time, wavelengths
@@ -366,7 +380,8 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             worth / dr.maximum(ROULETTE_SHARE * entered, 1e-30),
             dr.select((depth > s.rr_depth) & (within == 0), dr.minimum(worth, 0.95), 1),
         )
-        survival = dr.minimum(survival, 1)
+        # lights have been connected to by all of what came through: from here on as many go on as would have come
+        survival = dr.select(through, dr.minimum(survival, dr.max(along)), dr.minimum(survival, 1))
         dead |= spent | ~(worth > 0) | (sampler.next_1d(active) >= survival)
         β /= survival
         dead &= active
@@ -383,17 +398,3 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
 def _balance(own: Any, other: Any) -> Any:
     """Balance heuristic; 0 where neither technique can."""
     return dr.select(own > 0, own / (own + other), 0)
-
-
-def _wanted(s: Settings, order: Any) -> Any:
-    """Whether a path with so many events belongs to the terms asked for."""
-    return (
-        (mi.Bool(s.reduced) & (order == 0))
-        | (mi.Bool(s.single) & (order == 1))
-        | (mi.Bool(s.multiple) & (order > 1))
-    )
-
-
-def _may_go_on(s: Settings, order: Any) -> Any:
-    """Whether a path with so many events can still become one of the terms asked for."""
-    return mi.Bool(True) if s.multiple else order <= (1 if s.single else 0)

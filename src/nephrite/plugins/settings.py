@@ -43,6 +43,18 @@ class Settings:
         chosen = [term for term in TERMS if getattr(self, term)]
         return "all" if len(chosen) == len(TERMS) else "+".join(chosen)
 
+    def wants(self, order: Any) -> Any:
+        """Whether a path with so many events belongs to the terms asked for."""
+        return (
+            (mi.Bool(self.reduced) & (order == 0))
+            | (mi.Bool(self.single) & (order == 1))
+            | (mi.Bool(self.multiple) & (order > 1))
+        )
+
+    def may_go_on(self, order: Any) -> Any:
+        """Whether a path with so many events can still become one of the terms asked for."""
+        return mi.Bool(True) if self.multiple else order <= (1 if self.single else 0)
+
 
 def read(props: Any) -> Settings:
     """Read the plugin's properties; raises `ParameterError` that names what can't be."""
