@@ -8,13 +8,14 @@ DEVELOPED := .venv/.developed
 
 PEERS := .venv-bench/.installed
 
-.PHONY: help install dragon figures bench test lint clean
+.PHONY: help install dragon figures bench growth test lint clean
 .DELETE_ON_ERROR:
 
 help:
 	@echo "make dragon    install, fetch the Stanford dragon, render it in jade: out/dragon.png, out/dragon.exr"
 	@echo "make figures   the paper's results on the dragon: out/figures"
 	@echo "make bench     beside Cycles, LuxCore and Mitsuba, some two hours: docs/benchmark.md; BENCH=--quick: some minutes"
+	@echo "make growth    time and memory as scenes grow, some 12 minutes: docs/growth.md; GROWTH=--quick: a few"
 	@echo "make install   the package alone, into .venv: run $(BIN)/nephrite"
 	@echo "make test      the tests; make test PYTEST='-m \"not slow\"' for the quick ones"
 	@echo "make lint      ruff and pyright"
@@ -47,6 +48,9 @@ figures: $(INSTALLED)
 
 bench: $(INSTALLED) $(PEERS)
 	$(BIN)/python -m benchmarks.bench $(BENCH)
+
+growth: $(INSTALLED) $(PEERS)
+	$(BIN)/python -m benchmarks.growth $(GROWTH)
 
 # Each peer that has a wheel for this Python; one that has none is left out of the benchmark.
 $(PEERS): Makefile

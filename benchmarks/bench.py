@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import argparse
 import datetime
-import hashlib
 import sys
 import time
 from pathlib import Path
@@ -20,7 +19,6 @@ from typing import Any
 
 import numpy as np
 
-import nephrite
 from benchmarks import analysis, methods, page, runner, scenes
 from benchmarks.store import Store
 from nephrite.atlas.compared import Estimate
@@ -68,7 +66,7 @@ class Bench:
         self.resolution = (width, height)
         self.methods = self._methods()
         self.described = self._scenes()
-        self.sources = _sources()
+        self.sources = runner.sources()
 
     def _methods(self) -> list[methods.Method]:
         wanted = self.given.methods
@@ -189,13 +187,6 @@ class Bench:
 
     def _say(self, text: str) -> None:
         print(f"[{(time.monotonic() - self.start) / 60:5.1f} min] {text}", flush=True)
-
-
-def _sources() -> str:
-    """Return a digest of the code that is measured and of the code that measures."""
-    here = Path(__file__).parent
-    files = [*Path(nephrite.__file__).parent.rglob("*.py"), *here.glob("peers/*.py"), here / "analysis.py"]
-    return hashlib.sha256(b"".join(file.read_bytes() for file in sorted(files))).hexdigest()
 
 
 def main() -> None:

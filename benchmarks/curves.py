@@ -13,7 +13,7 @@ from benchmarks.methods import Method
 from nephrite.atlas.compared import Difference, Estimate, block_map
 from nephrite.image import figure, plot, write
 
-_COLOURS = {
+COLOURS = {
     "volpath": "#9a9ea6", "volpathmis": "#55585f", "luxcore": "#b07aa1", "cycles": "#d55e00", "cycles-plain": "#e69f00",
     "burley": "#c9a227", "walk-exact": "#08306b", "walk": "#0072b2", "transport": "#009e73", "tabulated": "#56b4e9",
     "dipole": "#7fcdbb", "brdf": "#bdbdbd",
@@ -47,20 +47,13 @@ def over_time(
             line = spot.plot(
                 [point["seconds"] for point in curve],
                 [point["relmse"] for point in curve],
-                color=_COLOURS.get(method.name.removesuffix("-gpu"), _INK),
+                color=COLOURS.get(method.name.removesuffix("-gpu"), _INK),
                 linestyle="--" if method.name.endswith("-gpu") else "-",
                 marker="o", markersize=2.5, linewidth=1.5,
             )  # fmt: skip
             shown[method.title] = line[0]
-        spot.axhline(GOAL, color=_SOFT, linewidth=0.8, linestyle=(0, (2, 2)))
-        spot.set(xscale="log", yscale="log", xlabel="seconds for a picture")
-        for axis in (spot.xaxis, spot.yaxis):
-            axis.set_minor_formatter("")
-        spot.set_title(title, fontsize=10, loc="left", color=_INK)
-        spot.grid(True, color=_GRID, linewidth=0.7)
-        spot.tick_params(which="both", color=_SOFT, labelsize=8)
-        for side in ("top", "right"):
-            spot.spines[side].set_visible(False)
+        limit(spot, GOAL)
+        logarithmic(spot, title, "seconds for a picture")
     axes[0, 0].set_ylim(GOAL / 20, min(axes[0, 0].get_ylim()[1], _MOST))
     for row in axes:
         row[0].set_ylabel("relMSE")
@@ -69,6 +62,23 @@ def over_time(
     )
     sheet.tight_layout(rect=(0.0, 1.3 / columns / (3.4 * rows + 1.0), 1.0, 1.0))
     return plot.save(path, sheet, {"shows": "relMSE over time"})
+
+
+def logarithmic(spot: Any, title: str, xlabel: str) -> None:
+    """Give a panel logarithmic axes, a title, and lines that do not shout."""
+    spot.set(xscale="log", yscale="log", xlabel=xlabel)
+    for axis in (spot.xaxis, spot.yaxis):
+        axis.set_minor_formatter("")
+    spot.set_title(title, fontsize=10, loc="left", color=_INK)
+    spot.grid(True, color=_GRID, linewidth=0.7)
+    spot.tick_params(which="both", color=_SOFT, labelsize=8)
+    for side in ("top", "right"):
+        spot.spines[side].set_visible(False)
+
+
+def limit(spot: Any, value: float) -> None:
+    """Draw a dotted line at a value that is to be reached or kept."""
+    spot.axhline(value, color=_SOFT, linewidth=0.8, linestyle=(0, (2, 2)))
 
 
 def pictures(

@@ -152,10 +152,10 @@ def _row(result: SceneResult, method: Method, error: Difference) -> list[str]:
     sign = "" if own["how"] == "=" else f"{own['how']} "
     return [
         method.title,
-        f"{sign}{_short(float(np.median(finite)))}" if finite else "-",
-        _short(float(np.median(own["quiet"]))),
+        f"{sign}{short(float(np.median(finite)))}" if finite else "-",
+        short(float(np.median(own["quiet"]))),
         _faster(result, method.name),
-        _short(float(np.mean(own["efficiency"]))),
+        short(float(np.mean(own["efficiency"]))),
         _spread(analysis.ratio(own["efficiency"], base["efficiency"])) if base else "",
         percent(error.bias, error.bias_error, signed=True),
         percent(error.worst, error.worst_error, signed=True),
@@ -169,11 +169,11 @@ def _spread(spread: analysis.Spread | None) -> str:
     if spread is None:
         return ""
     if spread.least == spread.largest:
-        return _short(spread.mean)
-    return f"{_short(spread.mean)} ({_short(spread.least)} to {_short(spread.largest)})"
+        return short(spread.mean)
+    return f"{short(spread.mean)} ({short(spread.least)} to {short(spread.largest)})"
 
 
-def _short(value: float) -> str:
+def short(value: float) -> str:
     """Return two significant digits, and no exponent; beyond a million, and below its inverse, only that."""
     if not 1e-6 < value < 1e6:
         return "> 1,000,000" if value > 1.0 else "< 0.000001"

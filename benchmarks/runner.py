@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import subprocess
@@ -13,9 +14,11 @@ from typing import Any
 
 import numpy as np
 
+import nephrite
 from benchmarks.methods import Method
 
 ROOT = Path(__file__).parents[1]
+LIMIT = 900.0  # seconds, after which a process has failed that was not given a time
 
 
 class FailedError(Exception):
@@ -70,6 +73,14 @@ def truth(folder: Path) -> dict[str, Any]:
     """Read what `benchmarks.reference` writes."""
     with np.load(folder / "truth.npz") as file:
         return {name: file[name] for name in file.files}
+
+
+def sources(*more: str) -> str:
+    """Return a digest of the code that is measured and of the code that measures; `more`: files in benchmarks/."""
+    here = Path(__file__).parent
+    files = [*Path(nephrite.__file__).parent.rglob("*.py"), *here.glob("peers/*.py"), here / "analysis.py"]
+    files += [here / name for name in more]
+    return hashlib.sha256(b"".join(file.read_bytes() for file in sorted(files))).hexdigest()
 
 
 def last_line(text: str) -> str:

@@ -228,7 +228,7 @@ def test_a_process_that_fails_says_why(tmp_path: Path) -> None:
     [(0.0123, "0.012"), (1.0, "1.0"), (99.6, "100"), (12345.0, "12,000"), (1e9, "> 1,000,000")],
 )
 def test_numbers_have_two_digits(value: float, shown: str) -> None:
-    assert page._short(value) == shown
+    assert page.short(value) == shown
 
 
 def test_the_page_without_results_says_how_to_get_them(tmp_path: Path) -> None:
