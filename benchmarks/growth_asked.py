@@ -66,7 +66,8 @@ def asked(results: Results) -> str:
         found = whole(results.size, "transport", value)
         for what, grown in (("last to first", ratio(found)), ("worst to best", range_of(found))):
             told = f"size {_ends(results.size)} mm: `transport`, {how}, {what}"
-            rows.append([told, "time to equal noise x 3", times(grown), within(grown, MOST_SIZE)])
+            shown = times(grown) + _left_to_others(results.size)
+            rows.append([told, "time to equal noise x 3", shown, within(grown, MOST_SIZE)])
     for name in ("walk", "transport"):
         peaks = whole(results.resolution, name, gib)
         shown = f"{max(peaks):.2f} GiB" if peaks else "-"
@@ -88,6 +89,13 @@ def gib(numbers: Numbers) -> float:
 
 def times(value: float) -> str:
     return "-" if math.isnan(value) else f"x {value:.2f}"
+
+
+def _left_to_others(points: Sequence[Point]) -> str:
+    """Return in words where something else was computed than `transport`, as asked for."""
+    computed = {p.at: p.of["transport"]["computed"] for p in points if "transport" in p.of}
+    places = [f"`{model}` at {at:,g}" for at, model in computed.items() if model != "transport"]
+    return f" ({', '.join(places)} mm)" if places else ""
 
 
 def _ends(points: Sequence[Point]) -> str:

@@ -29,19 +29,20 @@ class Panel:
 
 
 def panels(path: Path, shown: Sequence[Panel], titles: Mapping[str, str]) -> Path:
-    """Draw panels side by side as SVG, with one legend of the methods' `titles` below."""
+    """Draw panels side by side as SVG, but for empty ones, with one legend of the methods' `titles` below."""
     from matplotlib.figure import Figure
 
+    shown = [panel for panel in shown if any(y > 0.0 for line in panel.lines.values() for _, y in line)]
     sheet = Figure(figsize=(4.6 * len(shown) + 0.4, 4.0))
     legend: dict[str, Any] = {}
     for spot, panel in zip(sheet.subplots(1, len(shown), squeeze=False)[0], shown, strict=True):
+        curves.logarithmic(spot, panel.title, panel.axis)
         for name, line in panel.lines.items():
             points = [(x, y) for x, y in line if y > 0.0]
             if points:
                 legend[titles[name]] = spot.plot(
                     *zip(*points, strict=True), color=curves.COLOURS[name], marker="o", markersize=4, linewidth=1.5,
                 )[0]  # fmt: skip
-        curves.logarithmic(spot, panel.title, panel.axis)
         if panel.most is not None:
             curves.limit(spot, panel.most)
         _number(spot, panel)

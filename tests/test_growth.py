@@ -135,7 +135,7 @@ def results() -> Results:
         size=[
             Point(10, {"transport": numbers(1.0, 5.0)}),
             Point(100, {"transport": numbers(2.0, 5.0)}),
-            Point(1000, {"transport": numbers(10.0, 5.0)}),
+            Point(1000, {"transport": numbers(10.0, 5.0) | {"computed": "walk"}}),
         ],
         resolution=[Point(120_000, {"walk": command(5.0)}), Point(8_294_400, {"walk": command(60.0)})],
         g=[
@@ -158,8 +158,8 @@ def test_what_was_asked_stands_beside_what_was_measured() -> None:
     assert found["triangles 11,000 -> 871,000: `walk`"] == ["time x 2", "x 1.50", "yes"]
     assert found["triangles 11,000 -> 871,000: `cycles`"][1:] == ["-", "-"]
     told = "size 10 -> 1,000 mm: `transport`, {}, last to first"
-    assert found[told.format("with its precomputation")][1:] == ["x 3.57", "**no**"]
-    assert found[told.format("its samples alone")][1:] == ["x 10.00", "**no**"]
+    assert found[told.format("with its precomputation")][1:] == ["x 3.57 (`walk` at 1,000 mm)", "**no**"]
+    assert found[told.format("its samples alone")][1:] == ["x 10.00 (`walk` at 1,000 mm)", "**no**"]
     assert found["120,000 -> 8,294,400 pixels: `walk`"][1:] == ["2.00 GiB", "yes"]
     assert found["g 0 -> 0.9: `walk`"][1] == "not used; error 5.0 ± 0.2 %"
     assert found["first picture, the slowest of all"][1:] == ["11.0 s", "yes"]
