@@ -37,6 +37,7 @@ def panels(path: Path, shown: Sequence[Panel], titles: Mapping[str, str]) -> Pat
     legend: dict[str, Any] = {}
     for spot, panel in zip(sheet.subplots(1, len(shown), squeeze=False)[0], shown, strict=True):
         curves.logarithmic(spot, panel.title, panel.axis)
+        spot.set_xlim(min(panel.ticks) / _MARGIN, max(panel.ticks) * _MARGIN)
         for name, line in panel.lines.items():
             points = [(x, y) for x, y in line if y > 0.0]
             if points:
@@ -61,6 +62,5 @@ def _number(spot: Any, panel: Panel) -> None:
     spot.set_ylim(low / 1.1, high * 1.1)
     spot.yaxis.set_major_locator(LogLocator(subs=(1.0,) if high > _DECADES * low else (1.0, 2.0, 5.0)))
     spot.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
-    spot.set_xlim(min(panel.ticks) / _MARGIN, max(panel.ticks) * _MARGIN)
     spot.set_xticks(list(panel.ticks), list(panel.ticks.values()))
     spot.xaxis.minorticks_off()
