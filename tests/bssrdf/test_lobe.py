@@ -109,6 +109,44 @@ def test_kernel_reproduces_every_quadratic_radiance(eta):
     np.testing.assert_allclose(mean, functions(v), atol=2e-3)
 
 
+@pytest.mark.parametrize("eta", ETAS)
+def test_the_usual_direction_is_the_mean_under_the_lobe(eta):
+    """Radiance `1 + 3 u.w` inside, u = drift / 2, which leaves through the interface."""
+    drift = np.array([0.2, -0.1, 0.3])
+    directions, weight = _hemisphere()
+    inside = 1 + 1.5 * (directions[:, :2] / eta) @ drift[:2]
+    one = lobe.exit_lobe(eta)
+    mean = (weight * _density(directions, eta) * inside) @ directions[:, :2]
+    usual = np.array(lobe.usual(mi.Vector3f(drift.tolist()), eta, one.m2)).ravel()
+    np.testing.assert_allclose(usual[:2], mean, atol=1e-4)
+
+
+@pytest.mark.parametrize("eta", ETAS)
+def test_the_kernel_has_the_usual_direction_where_the_own_is_forgotten(eta):
+    usually, one = np.array([0.1, 0.05, 0.0]), lobe.exit_lobe(eta)
+    directions, weight = _hemisphere()
+    n, v = mi.Vector3f(0, 0, 1), mi.Vector3f(0.6, 0, 0.8)
+    value = lobe.kernel(v, mi.Vector3f(directions.T), n, one.m2, one.m4, 0.0, 0.0, mi.Vector3f(usually.tolist()))
+    mean = (weight * _density(directions, eta) * np.array(value)) @ directions
+    np.testing.assert_allclose(mean[:2], usually[:2], atol=1e-4)
+
+
+@pytest.mark.parametrize("steps", [8, 40])
+def test_walks_have_come_by_half_their_mean_direction(steps):
+    """Regression of the last direction on displacement over length; false alarms below 1e-5 (5 standard errors)."""
+    rng = np.random.default_rng(5)
+    count = 100_000
+    direction = rng.normal(size=(count, steps, 3))
+    direction /= np.linalg.norm(direction, axis=-1, keepdims=True)
+    length = rng.exponential(size=(count, steps, 1))
+    drift = (direction * length).sum(1) / length.sum(1)
+    product, square = (direction[:, -1] * drift).sum(1), (drift**2).sum(1)
+    slope = product.mean() / square.mean()
+    error = (product - slope * square).std() / np.sqrt(count) / square.mean()
+    # n <l^2> = 2 n l^2 in n^2 l^2 (1 + 1/n): steps of a given number, whose length varies
+    assert abs(slope - 0.5) < 0.6 / steps + 5 * error
+
+
 def test_kernel_is_symmetric_and_turns_with_its_frame():
     rng = np.random.default_rng(3)
     v, w, n = rng.normal(size=(3, 3))

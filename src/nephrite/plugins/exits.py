@@ -23,12 +23,13 @@ def connection_count(scene: Any, media: Media) -> int:
 
 
 def toward(
-    media: Media, number: Any, normal: Any, direction: Any, to_light: Any, events: Any, g: Any, landed: Any
-) -> tuple[Any, Any]:
+    media: Media, number: Any, normal: Any, direction: Any, to_light: Any, events: Any, g: Any, drift: Any, landed: Any
+) -> tuple[Any, Any]:  # fmt: skip
     """Return the lobe that the light which leaves material `number` has in the direction `to_light`, and its density.
 
     `direction`: where the path leaves; `events`: how often it has scattered, which tells how much of its direction it
-    remembers (see `nephrite.bssrdf.lobe`); `landed`: jumps, which remember nothing.
+    remembers (see `nephrite.bssrdf.lobe`); `drift`: how far it has come over how long it was; `landed`: jumps, which
+    remember nothing.
     """
     eta, normalization = media.lookup(media.eta, number), media.lookup(media.normalization, number)
     cosine = dr.dot(to_light, normal)
@@ -36,7 +37,8 @@ def toward(
     pdf = lobe.pdf(cosine, fresnel(dr.maximum(cosine, 0), eta)[0], normalization)
     linear, quadratic = lobe.memory(events, g)
     m2, m4 = media.lookup(media.m2, number), media.lookup(media.m4, number)
-    remembered = lobe.kernel(direction, to_light, normal, m2, m4, linear, quadratic)
+    usual = lobe.usual(drift, eta, m2)
+    remembered = lobe.kernel(direction, to_light, normal, m2, m4, linear, quadratic, usual)
     return mi.Spectrum(pdf * dr.select(landed, 1, remembered)), pdf
 
 
@@ -54,3 +56,8 @@ def light_density(scene: Any, p: Any, si: Any, active: Any) -> Any:
     here: Any = dr.zeros(mi.Interaction3f)
     here.p = p
     return scene.pdf_emitter_direction(here, mi.DirectionSample3f(scene, si, here), active)
+
+
+def balance(own: Any, other: Any) -> Any:
+    """Balance heuristic; 0 where neither technique can."""
+    return dr.select(own > 0, own / (own + other), 0)

@@ -16,11 +16,11 @@ import mitsuba as mi
 from nephrite.bssrdf import lobe
 from nephrite.physics import phase
 from nephrite.plugins import channels, glints, interface, jump
-from nephrite.plugins.exits import connection_count, leave, light_density, toward
+from nephrite.plugins.exits import balance, connection_count, leave, light_density, toward
 from nephrite.plugins.media import Media
 from nephrite.plugins.settings import Settings
 
-ROULETTE_SHARE = 0.05  # of a walk's light, below which its roulette begins
+ROULETTE_SHARE = 0.3  # of a walk's light, below which its roulette begins
 
 
 @dataclass
@@ -85,6 +85,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
     entry_n = mi.Vector3f(0, 0, 1)                      # the outward normal there,
     entry_w = mi.Vector3f(0, 0, 1)                      # where it came from (for directional models),
     entry_side = mi.Float(1)                            # and whether the shape's normals point outward (1) or in (-1)
+    travelled = mi.Float(0)                             # Way since entry
     reach = mi.Float(0)                                 # Length of the shape's bounding box
     cut, started = mi.Float(0), mi.Float(0)             # Light in walks that were cut short, and in all
     search = jump.idle() if media.any_jump else None    # The probe
@@ -139,6 +140,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
         β[stays] = β * along * dr.select(scatters, sigma_s, 1) / of_leader
         ratio[stays] = ratio * density / of_leader
         steps[active] += 1
+        travelled[inside] += distance
 
         # --- Event: a new direction by the phase function -----------------------------------------------------------
         events[scatters] += 1
@@ -198,7 +200,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                 sees &= depth > 0
             if sees:
                 by_light = connections * light_density(scene, last_p, si, ~last_delta)
-                L += weight * emitter.eval(si) * dr.select(last_delta, 1, _balance(last_pdf, by_light))
+                L += weight * emitter.eval(si) * dr.select(last_delta, 1, balance(last_pdf, by_light))
 
             goes_on = reaches & si.is_valid() & (depth + 1 < s.max_depth)
             valid |= reaches & si.is_valid()
@@ -287,7 +289,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             )
             bsdf = si.bsdf()
             if connects:
-                lottery = sampler.next_1d(connects)
+                lottery, drift = sampler.next_1d(connects), (at.p - entry_p) / dr.maximum(travelled, 1e-30)
                 for i in range(connections):
                     ticket = dr.minimum((lottery + i) / connections, dr.one_minus_epsilon(mi.Float))
                     ds, light = scene.sample_emitter_direction(
@@ -302,13 +304,13 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                             value, pdf = media.eval_surface(number, si, local_d, rough & (local_d.z > 0))
                     if by_lobe:
                         value, pdf = toward(
-                            media, from_number, normal, direction, ds.d, mi.Float(events), g, landed
+                            media, from_number, normal, direction, ds.d, mi.Float(events), g, drift, landed
                         )
                         if dr.hint(media.directional is not None, mode="scalar"):
                             value *= dr.select(landed, media.directional.ratio(
                                 within, sigma_t - sigma_s, sigma_s, entry_p, entry_n, entry_w, at.p, normal, ds.d
                             ), 1)  # fmt: skip
-                    mis = dr.select(ds.delta, 1, _balance(connections * ds.pdf, pdf)) / connections
+                    mis = dr.select(ds.delta, 1, balance(connections * ds.pdf, pdf)) / connections
                     L[ds.pdf > 0] += weight * value * light * mis
 
             # Choose the next direction on everything that light can't enter
@@ -347,7 +349,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                     entered = dr.max(β)
                     started += entered
                     channel, β, ratio = channels.lead(β, sigma_t, sampler.next_1d())
-                    events, steps = mi.UInt32(0), mi.UInt32(0)
+                    events, steps, travelled = mi.UInt32(0), mi.UInt32(0), mi.Float(0)
                     entry_p, entry_n = si.p, outward
                     if dr.hint(media.directional is not None, mode="scalar"):
                         entry_w = -ray.d
@@ -393,8 +395,3 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
         else:
             active &= ~dead
     return Result(L, valid, cut, started)
-
-
-def _balance(own: Any, other: Any) -> Any:
-    """Balance heuristic; 0 where neither technique can."""
-    return dr.select(own > 0, own / (own + other), 0)
