@@ -126,7 +126,9 @@ def test_the_kernel_has_the_usual_direction_where_the_own_is_forgotten(eta):
     usually, one = np.array([0.1, 0.05, 0.0]), lobe.exit_lobe(eta)
     directions, weight = _hemisphere()
     n, v = mi.Vector3f(0, 0, 1), mi.Vector3f(0.6, 0, 0.8)
-    value = lobe.kernel(v, mi.Vector3f(directions.T), n, one.m2, one.m4, 0.0, 0.0, mi.Vector3f(usually.tolist()))
+    value = lobe.kernel(
+        v, mi.Vector3f(directions.T), n, one.m2, one.m4, 0.0, 0.0, mi.Vector3f(usually.tolist())
+    )
     mean = (weight * _density(directions, eta) * np.array(value)) @ directions
     np.testing.assert_allclose(mean[:2], usually[:2], atol=1e-4)
 

@@ -42,7 +42,9 @@ def test_among_many_lamps_it_is_found_by_chance():
     found = many.pictures.mean(axis=(1, 2, 3))
     error = found.std(ddof=1) / np.sqrt(len(found))
     assert error > 0
-    assert abs(found.mean() - MIRRORED) < 5 * error  # 5 standard errors of 15 degrees of freedom: .02 % false alarms
+    assert (
+        abs(found.mean() - MIRRORED) < 5 * error
+    )  # 5 standard errors of 15 degrees of freedom: .02 % false alarms
 
 
 @pytest.mark.parametrize("terms", ["single", "multiple"])

@@ -14,11 +14,11 @@ direction v, estimates the radiance in direction w by `pdf(w) * sum_j phi_j(v) p
 estimate of a density (Cencov 1962). It is exact in the mean for every radiance that is such a polynomial, makes
 and loses no energy, and needs no knowledge of the walk but its last direction.
 
-One direction is a noisy estimate of how long walks leave, which on average is known: all steps of a random walk have the
-same share in how far it has come. If that is r, on a way of length s, its last direction has the mean r / (2 s). (The
-last of n steps, of exponential lengths around l, has the covariance <l> with it, which itself has the variance n <l^2> =
-2 n l^2 in units of a direction's.) `usual` is what that is outside; long walks use it in place of the direction that they
-have, and so keep the linear part of their lobe without its noise.
+One direction is a noisy estimate of how long walks leave, which on average is known: all steps of a random walk have
+the same share in how far it has come. If that is r, on a way of length s, its last direction has the mean r / (2 s).
+(The last of n steps, of exponential lengths around l, has the covariance <l> with it, which itself has the variance
+n <l^2> = 2 n l^2 in units of a direction's.) `usual` is what that is outside; long walks use it in place of the
+direction that they have, and so keep the linear part of their lobe without its noise.
 """
 
 from __future__ import annotations

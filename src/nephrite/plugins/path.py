@@ -239,7 +239,11 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
 
             # What needs no choice between the two: transport's multiple scattering, and lamps that are mirrored
             meets_surface = crossing & ~leaving & ~rough & ~stale
-            L += weight * (1 - x.reflectance) * media.transported(s, number, si, outward, -ray.d, meets_surface)
+            L += (
+                weight
+                * (1 - x.reflectance)
+                * media.transported(s, number, si, outward, -ray.d, meets_surface)
+            )
             glint = mi.Bool(False)
             if dr.hint(lamps, mode="scalar"):
                 glint = meets_surface & s.wants(order) & glints.may_meet(lamps, si.p, x.reflected)
@@ -284,9 +288,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             lobe_pdf = lobe.pdf(cos_out, mi.fresnel(dr.maximum(cos_out, 0), eta_exit)[0], normalization)
 
             # Connect to lights
-            connects = (
-                ((opaque & ~inside) | ((rough | by_lobe) & (to_medium == 0))) & ~dead & s.wants(order)
-            )
+            connects = ((opaque & ~inside) | ((rough | by_lobe) & (to_medium == 0))) & ~dead & s.wants(order)
             bsdf = si.bsdf()
             if connects:
                 lottery, drift = sampler.next_1d(connects), (at.p - entry_p) / dr.maximum(travelled, 1e-30)
