@@ -98,10 +98,8 @@ def _walked(media: Media, number: int, scene: Any) -> Found | None:
         count = int(min(_EVENTS / _events(entry, shape), _WALKS))
         if count < _LEAST_WALKS:
             return None
-        sampler = _sampler(count, 1)
-        begun = start(scene, media.winding, shape, sampler)
-        ends = walked.walk(scene, sampler, entry, begun.si, shape)
-        dr.eval(begun.si.p, ends.weight, ends.twice)
+        begun = start(scene, media.winding, shape, _sampler(count, 1))
+        ends = walked.walk(scene, 2, entry, begun.si, shape, count)
         parts.append(tuple(np.array(part).T for part in (begun.si.p, ends.weight, ends.twice)))
     return replace(_found(parts), power=-1.0)
 

@@ -21,23 +21,24 @@ from nephrite.plugins import gathered, walked
 from nephrite.plugins.layout import at_nodes, free_paths, lay
 from nephrite.plugins.lookup import Lookup
 from nephrite.plugins.settings import NO_LIMIT
-from nephrite.transport.carried import Carried, Walks
+from nephrite.transport.pyramid import Pyramid, Walks, joined
 
 CONNECTIONS, PATHS = 64, 8  # per node
 ROUNDS = 4  # of light between translucent surfaces
-_LANES = 1 << 20
+_AT_ONCE = 1 << 20  # walks
 
 
 @dataclass
 class Surface:
-    """One translucent shape: the index of the first of its nodes, their spacing, and what walks carry between them.
+    """One translucent shape: its nodes, outward normals and their spacing, and what walks carry between the nodes.
 
     `lost`: share of the light that other objects inside took.
     """
 
-    first: int
+    points: NDArray
+    normals: NDArray
     spacing: float
-    carried: Carried
+    operator: Pyramid
     lost: float
 
 
@@ -57,25 +58,31 @@ class Transport:
         self, scene: Any, entry: Any, shape: Any, number: int, spacing: float, walks: int
     ) -> Surface:  # fmt: skip
         own = self.lookup.own(number)
-        first, nodes = own.start, own.stop - own.start
         points, normals = self.lookup.points[own], self.lookup.normals[own]
-        each = max(1, walks // nodes)
-        found = Carried(points, normals, spacing, float(free_paths(entry).min()), each)
-        at, lost = at_nodes(points, normals), 0.0
-        sampler = mi.load_dict({"type": "independent"})
-        for turn, begun in enumerate(range(0, each, max(1, _LANES // nodes))):
-            count = min(max(1, _LANES // nodes), each - begun)
-            sampler.seed(turn, nodes * count)
-            start = dr.arange(mi.UInt32, nodes * count) // count
-            here = dr.gather(type(at), at, start)
-            ends = walked.walk(scene, sampler, entry, here, shape)
-            dr.eval(ends)
-            used = dr.max(ends.weight) > 0
-            end = self.lookup.nearby.nearest(mi.UInt32(number), ends.p, ends.n, used) - first
-            found.add(Walks(start, end, dr.norm(ends.p - here.p), ends.weight, ends.out, ends.back))
-            lost += float(dr.sum(dr.max(ends.lost))[0]) / (nodes * each)
-        found.finish()
-        return Surface(first, spacing, found, lost)
+        at, each = at_nodes(points, normals), max(1, walks // len(points))
+        most = max(1, _AT_ONCE // len(points))
+        parts, lost = [], 0.0
+        for turn, begun in enumerate(range(0, each, most)):
+            ends = walked.walk(scene, turn, entry, at, shape, len(points) * min(most, each - begun))
+            parts.append(self._between_nodes(ends, number))
+            lost += float(dr.sum(dr.max(ends.lost))[0]) / (len(points) * each)
+        operator = Pyramid.of(points, normals, spacing, float(free_paths(entry).min()), joined(parts), each)
+        return Surface(points, normals, spacing, operator, lost)
+
+    def _between_nodes(self, ends: walked.Ends, number: int) -> Walks:
+        """Return the walks that brought something, from node to node of a surface."""
+        own = self.lookup.own(number)
+        used = dr.compress(dr.max(ends.weight) > 0)
+        start = used % (own.stop - own.start)
+        p, n, weight, back, out = (
+            dr.gather(type(values), values, used)
+            for values in (ends.p, ends.n, ends.weight, ends.back, ends.out)
+        )
+        everywhere = dr.full(mi.Bool, True, dr.width(used))
+        end = self.lookup.nearby.nearest(mi.UInt32(number), p, n, everywhere) - own.start
+        length = dr.norm(p - dr.gather(mi.Point3f, self.lookup.at.p, start + own.start))
+        dr.eval(start, end, length, weight, back, out)
+        return Walks(*(np.array(values) for values in (start, end, length, weight, back, out)))
 
     def relight(self, settings: Any, scene: Any, media: Any) -> None:
         """Find what arrives from the present lights, and what comes of it; `media` looks it up here."""
@@ -98,11 +105,10 @@ class Transport:
 
     def _carry(self, arriving: list[Any]) -> NDArray:
         """Return V at all nodes, [nodes, 4, channels], for what arrives there."""
-        found = []
-        for surface in self.surfaces:
-            own = dr.arange(mi.UInt32, surface.carried.nodes) + surface.first
-            found.append(surface.carried.apply([dr.gather(mi.Spectrum, one, own) for one in arriving]))
-        return np.concatenate(found)
+        given = np.stack([np.array(one).T for one in arriving], axis=1)
+        return np.concatenate(
+            [surface.operator.apply(given[self.lookup.own(i)]) for i, surface in enumerate(self.surfaces)]
+        )
 
     def _put(self, values: NDArray) -> None:
         three = np.broadcast_to(values, (*values.shape[:2], 3))  # a monochromatic variant has one channel

@@ -4,11 +4,14 @@ Transport keeps where they go; diffusion models learn from them how much there i
 
 Light that falls from all sides enters, walks and leaves. By reciprocity the share that goes from x to y is the share
 of the light entering at y that is seen at x.
+
+A vectorised loop runs until the slowest of its lanes is done, and walks have long tails. So each lane takes several
+walks, and starts the next as soon as one ends. Long walks are the dear ones, and the light that they bring is spread
+evenly, so that few are enough: roulette thins them out by their order.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import drjit as dr
@@ -18,51 +21,84 @@ from nephrite.bssrdf import lobe
 from nephrite.physics import phase
 from nephrite.plugins import channels, interface
 
+_WALKS_PER_LANE = 32
+_MIN_LANES = 1 << 14
 _ROULETTE_SHARE = 0.05  # of the light, below which roulette begins
+_ORDER = 16.0  # reduced order of scattering, above which walks are thinned out: what is left goes with its inverse
 _LONGEST = 100_000
 
 
-@dataclass
 class Ends:
-    """Where walks left a shape: points and outward normals.
+    """Where walks left a shape: points and outward normals, one a walk.
 
     `weight`: per channel and per light that has entered, 0 for walks of fewer than two events; `twice`: the light that
     scattered a second time; `lost`: what other objects in the shape took; `out`, `back`: tangential directions outside
     at the end and at the start, times what makes their products with other directions the linear part of the lobe's
     kernel (see `nephrite.bssrdf.lobe`).
+
+    A plain class: Dr.Jit would take a dataclass for a part of the loop's state.
     """
 
-    p: Any
-    n: Any
-    weight: Any
-    twice: Any
-    lost: Any
-    out: Any
-    back: Any
+    def __init__(self, count: int) -> None:
+        """Hold the ends of as many walks, which have brought nothing yet."""
+        self.p, self.n = dr.zeros(mi.Point3f, count), dr.zeros(mi.Vector3f, count)
+        self.out, self.back = dr.zeros(mi.Vector3f, count), dr.zeros(mi.Vector3f, count)
+        self.weight, self.twice, self.lost = (dr.zeros(mi.Spectrum, count) for _ in range(3))
+
+    def evaluate(self) -> None:
+        """Make the walks that have been recorded."""
+        dr.eval(self.p, self.n, self.out, self.back, self.weight, self.twice, self.lost)
+
+
+def walk(scene: Any, seed: int, entry: Any, at: Any, shape: Any, count: int) -> Ends:
+    """Make `count` walks: walk i begins at point i of `at`, modulo their number; normals there point outward.
+
+    `entry`: the `media.Entry` of the shape.
+    """
+    ends = Ends(count)
+    dr.eval(at)
+    sampler: Any = mi.load_dict({"type": "independent"})
+    sampler.seed(seed, min(count, max(_MIN_LANES, -(-count // _WALKS_PER_LANE))))
+    _walk(scene, sampler, entry, at, shape, count, ends)
+    ends.evaluate()
+    return ends
 
 
 @dr.syntax
-def walk(scene: Any, sampler: Any, entry: Any, at: Any, shape: Any) -> Ends:
-    """Walk once from every point of `at`, whose normals point outward; `entry`: the `media.Entry` of the shape."""
+def _walk(scene: Any, sampler: Any, entry: Any, at: Any, shape: Any, count: int, ends: Ends) -> None:
+    """Record the loop that fills `ends`."""
     identity = dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))
     eta = dr.opaque(mi.Float, entry.eta)
     g = dr.opaque(mi.Float, entry.g)
     reach = dr.opaque(mi.Float, entry.reach())
-    absorbed, sigma_s = entry.coefficients(at, True)
-    sigma_t = absorbed + sigma_s
-    falling = -mi.Frame3f(at.n).to_world(mi.warp.square_to_cosine_hemisphere(sampler.next_2d()))
-    inward = interface.cross(at, falling, eta)
     normalization = dr.opaque(mi.Float, lobe.exit_lobe(entry.eta).normalization)
-    entered = (1 - inward.reflectance) / normalization
-    channel, β, ratio = channels.lead(mi.Spectrum(entered), sigma_t, sampler.next_1d())
-    leading = channels.pick(sigma_t, channel)
-    ray = at.spawn_ray(inward.refracted)
+    linear = dr.opaque(mi.Float, 2 / lobe.exit_lobe(entry.eta).m2)
+    thinned = dr.opaque(mi.Float, _ORDER / max(1 - entry.g, 1e-3))  # events
+    points, lanes = dr.width(at.p), sampler.wavefront_size()
+
+    walks = dr.arange(mi.UInt32, lanes)  # The walk that each lane is making
+    fresh, active = mi.Bool(True), walks < count
+    origin, falling = mi.Point3f(0), mi.Vector3f(0)
+    sigma_t, sigma_s = mi.Spectrum(0), mi.Spectrum(0)
+    channel, β, ratio = mi.UInt32(0), mi.Spectrum(0), mi.Spectrum(0)
+    ray = dr.zeros(mi.Ray3f, lanes)
     events, steps = mi.UInt32(0), mi.UInt32(0)
-    p, n, out = mi.Point3f(at.p), mi.Vector3f(at.n), mi.Vector3f(at.n)
-    left, twice, lost = mi.Spectrum(0), mi.Spectrum(0), mi.Spectrum(0)
-    active = dr.max(sigma_s) > 0
     while active:
-        ray.maxt = dr.minimum(-dr.log(1 - sampler.next_1d()) / leading, 1e30)
+        if fresh:
+            start = dr.gather(type(at), at, walks % points, active)
+            origin = mi.Point3f(start.p)
+            falling = -mi.Frame3f(start.n).to_world(
+                mi.warp.square_to_cosine_hemisphere(sampler.next_2d(active))
+            )
+            inward = interface.cross(start, falling, eta)
+            absorbed, sigma_s = entry.coefficients(start, active)
+            sigma_t = absorbed + sigma_s
+            entered = mi.Spectrum((1 - inward.reflectance) / normalization)
+            channel, β, ratio = channels.lead(entered, sigma_t, sampler.next_1d(active))
+            ray = start.spawn_ray(inward.refracted)
+            events, steps = mi.UInt32(0), mi.UInt32(0)
+        leading = dr.maximum(channels.pick(sigma_t, channel), 1e-30)
+        ray.maxt = dr.minimum(-dr.log(1 - sampler.next_1d(active)) / leading, 1e30)
         hit = scene.ray_intersect_preliminary(ray, coherent=False, active=active)
         stops = hit.is_valid()
         distance = dr.select(stops, hit.t, ray.maxt)
@@ -72,34 +108,39 @@ def walk(scene: Any, sampler: Any, entry: Any, at: Any, shape: Any) -> Ends:
         β *= along * dr.select(stops, 1, sigma_s) / of_leader
         ratio *= density / of_leader
         weight = β / dr.sum(ratio)
-        u = sampler.next_2d()
+        u = sampler.next_2d(active)
+        goes_on = mi.Bool(active)
         if stops:
             si = hit.compute_surface_interaction(ray, mi.RayFlags.All, active & stops)
             x = interface.cross(si, ray.d, dr.rcp(eta))
             own = dr.reinterpret_array(mi.UInt32, si.shape) == identity
-            leaves = u.x >= x.reflectance
-            gone = own & leaves & (events > 1)
-            p, n, out = (
-                dr.select(gone, si.p, p),
-                dr.select(gone, -x.normal, n),
-                dr.select(gone, x.refracted, out),
-            )
-            left = dr.select(gone, weight, left)
-            lost = dr.select(own, lost, weight)
+            leaves = own & (u.x >= x.reflectance)
+            gone = active & leaves & (events > 1)
+            memory = linear * lobe.memory(mi.Float(events), g)[0]
+            normal = dr.gather(mi.Normal3f, at.n, walks % points, gone)
+            dr.scatter(ends.p, si.p, walks, gone)
+            dr.scatter(ends.n, -x.normal, walks, gone)
+            dr.scatter(ends.weight, weight, walks, gone)
+            dr.scatter(ends.out, memory * _tangential(x.refracted, -x.normal), walks, gone)
+            dr.scatter(ends.back, -memory * _tangential(falling, mi.Vector3f(normal)), walks, gone)
+            dr.scatter(ends.lost, weight, walks, active & ~own)
             ray = si.spawn_ray(x.reflected)
-            active &= own & ~leaves
+            goes_on &= own & ~leaves
         else:
             events += 1
-            twice = dr.select(events == 2, weight, twice)
+            dr.scatter(ends.twice, weight, walks, active & (events == 2))
             ray.o += ray.d * distance
             ray.d = mi.Frame3f(ray.d).to_world(mi.Vector3f(*phase.sample(u.x, u.y, g)))
-        active &= dr.squared_norm(ray.o - at.p) < dr.square(reach)  # or it has found a hole in the shape
+        goes_on &= dr.squared_norm(ray.o - origin) < dr.square(reach)  # or it has found a hole in the shape
         steps += 1
         survival = dr.minimum(dr.max(weight) / _ROULETTE_SHARE, 1)
-        active &= (sampler.next_1d() < survival) & (steps < _LONGEST)
+        order = mi.Float(events)
+        survival *= dr.select(~stops & (order > thinned), (order - 1) / order, 1)
+        goes_on &= (sampler.next_1d(active) < survival) & (steps < _LONGEST)
         β /= survival
-    memory = lobe.memory(mi.Float(events), g)[0] * (2 / lobe.exit_lobe(entry.eta).m2)
-    return Ends(p, n, left, twice, lost, memory * _tangential(out, n), memory * _tangential(-falling, at.n))
+        fresh = active & ~goes_on
+        walks += dr.select(fresh, lanes, 0)
+        active &= walks < count
 
 
 def _tangential(v: Any, n: Any) -> Any:

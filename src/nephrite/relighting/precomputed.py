@@ -91,13 +91,8 @@ def precompute(scene: Any, walks: int = 3_000_000) -> Precomputed:
                 f"shape {shape.id()!r} has another object inside: transport does not know of it. Take it out, or "
                 "render the scene with translucent_path."
             )
-    layouts, operators = [], []
-    for number, surface in enumerate(found.surfaces):
-        own = found.lookup.own(number)
-        layout = found.lookup.points[own], found.lookup.normals[own], surface.spacing
-        layouts.append(layout)
-        operators.append(Pyramid.of(*layout, surface.carried.ends(), surface.carried.each))
-    return Precomputed(layouts, operators, keys(members))
+    layouts = [(surface.points, surface.normals, surface.spacing) for surface in found.surfaces]
+    return Precomputed(layouts, [surface.operator for surface in found.surfaces], keys(members))
 
 
 def surfaces(scene: Any) -> list[tuple[Any, Any]]:

@@ -26,37 +26,43 @@ MOMENTS = ((), (), (0, 1, 2), (3, 4, 5))
 """The same for what is remembered of directions."""
 
 GRIDS = len(MEANS)
+LEVELS = 6  # of distances; each is twice the one before
 AROUND = 2  # grids coarser: how far off neighbours are that should get as much in even light
 EVENED = GRIDS - AROUND
 COARSE = GRIDS - 1  # grid for light that has been scattered by several surfaces
 
 
 @dataclass
-class Ends:
-    """Walks as plain arrays: see `nephrite.transport.carried.Walks`; `level`: of their length."""
+class Walks:
+    """Walks between nodes.
+
+    `start`, `end`: nodes; `length`: distance between the ends; `weight`, [channels, walks]: share of the light; `back`,
+    `out`, [3, walks]: tangential directions outside at the start and at the end, times the memory of direction that is
+    left.
+    """
 
     start: NDArray
     end: NDArray
+    length: NDArray
     weight: NDArray
-    out: NDArray
     back: NDArray
-    level: NDArray
+    out: NDArray
 
-    def both_ways(self, levels: Sequence[int], each: int) -> tuple[NDArray, ...]:
-        """Return (here, there, share, back, out): walks of some levels, reciprocally, as shares of `each` a node.
+    def chosen(self, which: NDArray) -> Walks:
+        """Return some of them."""
+        return Walks(*(values[..., which] for values in vars(self).values()))
 
-        Walks to places nearby are counted at their start; all others at both ends.
-        """
-        chosen = np.isin(self.level, levels) & (self.weight.max(axis=1) > 0)
-        far = chosen & (self.level > 0)
-        share = np.where(self.level > 0, 0.5, 1.0)[:, None] / each * self.weight
-        return tuple(
-            np.concatenate([first[chosen], second[far]])
-            for first, second in (
-                (self.start, self.end), (self.end, self.start), (share, share), (self.back, self.out),
-                (self.out, self.back),
-            )
-        )  # fmt: skip
+
+def joined(parts: list[Walks]) -> Walks:
+    """Return the walks of all parts."""
+    columns = zip(*(vars(part).values() for part in parts), strict=True)
+    return Walks(*(np.concatenate(column, axis=-1) for column in columns))
+
+
+def levels(lengths: NDArray, free: float) -> NDArray:
+    """Return the level of each length; `free`: the least mean free path."""
+    level = np.ceil(np.log2(np.maximum(lengths, 1e-30) / (2.0 * free)))
+    return np.clip(level, 0, LEVELS - 1).astype(int)
 
 
 class Pyramid:
@@ -93,20 +99,30 @@ class Pyramid:
         return values
 
     @classmethod
-    def of(cls, points: NDArray, normals: NDArray, spacing: float, walks: Ends, each: int) -> Pyramid:
-        """Count `walks` between nodes, at `points` with `normals`, which keep the distance `spacing`."""
+    def of(
+        cls, points: NDArray, normals: NDArray, spacing: float, free: float, walks: Walks, each: int
+    ) -> Pyramid:  # fmt: skip
+        """Count `walks`, of which `each` began at a node.
+
+        Nodes are at `points`, with `normals`, and keep the distance `spacing`; `free`: the least mean free path.
+        """
+        level = levels(walks.length, free)
         ups, means, moments = [], [], []
-        p, n, cell = points, normals, np.arange(len(points))
+        p, n, cell, mass = points, normals, np.arange(len(points)), np.ones(len(points))
         for grid in range(GRIDS):
             if grid:
                 width = 2**grid * spacing
                 centres = spread(p, n, width)
                 up = interpolation(p, n, p[centres], n[centres], REACH * width)
                 p, n, cell = p[centres], n[centres], np.asarray(up.argmax(axis=1)).ravel()[cell]
+                mass = up.T @ mass
                 ups.append(up)
-            for kernels, levels, parts in ((means, MEANS, 1), (moments, MOMENTS, 4)):
-                counted = walks.both_ways(levels[grid], each) if levels[grid] else None
-                kernels.append(_kernels(ups, cell, len(p), counted, parts) if counted else None)
+            cells = np.bincount(cell, minlength=len(p)), mass
+            for kernels, counted, parts in ((means, MEANS[grid], 1), (moments, MOMENTS[grid], 4)):
+                own = np.flatnonzero(np.isin(level, counted))
+                kernels.append(
+                    _kernels(walks.chosen(own), level[own] > 0, cell, cells, each, parts) if counted else None
+                )
         return cls(ups, means, moments, smoothing(points, normals, spacing))
 
     def apply(self, arriving: NDArray) -> NDArray:
@@ -171,29 +187,41 @@ def averaging(up: Any) -> Any:
     return sparse.diags(1.0 / np.maximum(np.asarray(up.sum(axis=0)).ravel(), 1e-12)) @ up.T
 
 
-def _kernels(ups: list[Any], cell: NDArray, count: int, walks: tuple[NDArray, ...], parts: int) -> list[Any]:
-    """Return the kernels between `count` cells: per node here, and per sum over the nodes there."""
-    here, there, share, back, out = walks
-    nodes = np.maximum(np.bincount(cell, minlength=count), 1)
-    mass = np.ones(len(cell))
-    for up in ups:
-        mass = up.T @ mass
-    pairs, index = np.unique(cell[here].astype(np.int64) * count + cell[there], return_inverse=True)
-    row, column = pairs // count, pairs % count
-    scale = 1.0 / (nodes[row] * np.maximum(mass, 1e-12)[column])
-    left, right = (np.concatenate([np.ones((len(v), 1)), v], axis=1) for v in (back, out))
-    blocks = [(i, j) for i in range(parts) for j in range(parts) if parts == 1 or i + j > 0]
-    rows = np.concatenate([parts * row + i for i, _ in blocks])
-    columns = np.concatenate([parts * column + j for _, j in blocks])
-    order = np.lexsort((columns, rows))
-    starts = np.searchsorted(rows[order], np.arange(parts * count + 1)).astype(np.int32)
-    columns = columns[order].astype(np.int32)
+def _kernels(
+    walks: Walks, far: NDArray, cell: NDArray, cells: tuple[NDArray, NDArray], each: int, parts: int
+) -> list[Any]:  # fmt: skip
+    """Return the kernels between cells, one a channel: per node here, and per sum over the nodes there.
+
+    Walks to places nearby are counted at their start; those that are `far` at both ends, as they are reciprocal.
+    `cell`: of each node; `cells`: numbers of nodes, and sums over what they take of each node.
+    """
+    nodes, mass = (np.maximum(values, 1e-12) for values in cells)
+    count, back = len(nodes), np.flatnonzero(far)
+    start, end = cell[walks.start], cell[walks.end]
+    place = np.concatenate([start, end[back]]) * count + np.concatenate([end, start[back]])
+    order = np.argsort(place)
+    place = place[order]
+    first = np.flatnonzero(np.diff(place, prepend=-1))
+    row, column = np.divmod(place[first], count)
+    scale = (1.0 / (each * nodes[row] * mass[column])).astype(np.float32)
+    weight = np.where(far, np.float32(0.5), np.float32(1.0)) * walks.weight
+
+    def sorted_(there: NDArray, here: NDArray) -> NDArray:
+        return np.concatenate([there, here[back]])[order]
+
+    left = [sorted_(*both) for both in zip(walks.back, walks.out, strict=True)]
+    right = [sorted_(*both) for both in zip(walks.out, walks.back, strict=True)]
+    starts = np.searchsorted(row, np.arange(count + 1)).astype(np.int32)
     kernels = []
-    for channel in range(share.shape[1]):
-        sums = [
-            scale * np.bincount(index, share[:, channel] * left[:, i] * right[:, j], len(pairs))
-            for i, j in blocks
-        ]
-        values = np.concatenate(sums)[order].astype(np.float32)
-        kernels.append(sparse.csr_matrix((values, columns, starts), shape=(parts * count,) * 2))
+    for share in weight:
+        values = np.zeros((len(first), parts, parts), np.float32)
+        share = sorted_(share, share)
+        for i in range(parts):
+            seen = share * left[i - 1] if i else share
+            for j in range(parts):
+                if parts == 1 or i + j > 0:
+                    brought = seen * right[j - 1] if j else seen
+                    values[:, i, j] = np.add.reduceat(brought, first) * scale if len(first) else 0
+        size = parts * count
+        kernels.append(sparse.bsr_matrix((values, column.astype(np.int32), starts), shape=(size, size)))
     return kernels
