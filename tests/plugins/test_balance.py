@@ -91,10 +91,9 @@ def test_the_tabulated_profile_brings_what_walks_bring(shape):
     before = _brought(media, scene)[1].mean(0)
     balance.balance(media, scene)
     after = _brought(media, scene)[1].mean(0)
-    sampler = _sampler()
     (entry,) = media.entries
-    begun = shapes.start(scene, media.winding, entry.shapes[0], sampler)
-    ends = walked.walk(scene, sampler, entry, begun.si, begun.shape)
+    begun = shapes.start(scene, media.winding, entry.shapes[0], _sampler())
+    ends = walked.walk(scene, 6, entry, begun.si, begun.shape, 1 << 18)
     truth = np.array(ends.weight).mean(1) / np.array(ends.twice).mean(1)
     print(shape, before, after, truth)
     assert after == pytest.approx(0.995 * truth, rel=0.02)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from nephrite.transport.nodes import interpolation
-from nephrite.transport.pyramid import Ends, Pyramid
+from nephrite.transport.pyramid import Pyramid, Walks
 from support import nodes
 
 SPACING, EACH, FREE = 0.05, 64, 0.05
@@ -23,11 +23,15 @@ def _walks(points, seed, along=0.0):
             for part in np.array_split(target, 64)
         ]
     )
-    weight = (rng.random((len(start), 1)) < 0.5) * np.ones(3)
+    weight = (rng.random(len(start)) < 0.5) * np.ones((3, 1), np.float32)
     length = np.linalg.norm(points[start] - points[end], axis=1)
-    level = np.clip(np.ceil(np.log2(np.maximum(length, 1e-30) / (2 * FREE))), 0, 5).astype(int)
-    direction = np.tile([along, 0.0, 0.0], (len(start), 1))
-    return Ends(start, end, weight, direction, direction, level)
+    direction = np.zeros((3, len(start)), np.float32)
+    direction[0] = along
+    return Walks(start, end, length, weight, direction, direction)
+
+
+def _operator(plane, seed, along=0.0):
+    return Pyramid.of(*plane, SPACING, FREE, _walks(plane[0], seed, along), EACH)
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +48,7 @@ def _arriving(points, mean, moment=0.0):
 
 def test_even_light_stays_even(plane):
     """Half of it arrives, and little is left of the noise of each node's own 64 walks, .063."""
-    operator = Pyramid.of(*plane, SPACING, _walks(plane[0], 1), EACH)
+    operator = _operator(plane, 1)
     found = operator.apply(_arriving(plane[0], 1.0))[:, 0]
     inner = np.abs(plane[0]).max(1) < 0.6
     assert found.mean() == pytest.approx(0.5, rel=0.01)
@@ -52,7 +56,7 @@ def test_even_light_stays_even(plane):
 
 
 def test_it_is_linear_and_its_channels_are_their_own(plane):
-    operator = Pyramid.of(*plane, SPACING, _walks(plane[0], 2), EACH)
+    operator = _operator(plane, 2)
     rng = np.random.default_rng(3)
     a, b = (rng.random((len(plane[0]), 4, 3)) for _ in range(2))
     np.testing.assert_allclose(
@@ -67,8 +71,8 @@ def test_an_edge_of_light_is_where_the_walks_take_it(plane):
     points = plane[0]
     walks = _walks(points, 4)
     lit = (points[:, 0] > 0).astype(float)
-    found = Pyramid.of(*plane, SPACING, walks, EACH).apply(_arriving(points, lit))[:, 0, 0]
-    exact = np.bincount(walks.start, walks.weight[:, 0] * lit[walks.end], len(points)) / EACH
+    found = Pyramid.of(*plane, SPACING, FREE, walks, EACH).apply(_arriving(points, lit))[:, 0, 0]
+    exact = np.bincount(walks.start, walks.weight[0] * lit[walks.end], len(points)) / EACH
     inner = np.abs(points[:, 1]) < 0.7
     for low in np.arange(-0.4, 0.4, 0.1):
         strip = inner & (points[:, 0] >= low) & (points[:, 0] < low + 0.1)
@@ -77,7 +81,7 @@ def test_an_edge_of_light_is_where_the_walks_take_it(plane):
 
 def test_directions_are_remembered_at_both_ends(plane):
     """Walks with a memory of .5 along x bring .5 x .5 of the moment of 1, and see .5 of that along x."""
-    operator = Pyramid.of(*plane, SPACING, _walks(plane[0], 5, along=0.5), EACH)
+    operator = _operator(plane, 5, along=0.5)
     found = operator.apply(_arriving(plane[0], 1.0, moment=1.0))
     assert found[:, 0].mean() == pytest.approx(0.5 * (1.0 + 0.5), rel=0.02)
     assert found[:, 1].mean() == pytest.approx(0.5 * 0.5 * (1.0 + 0.5), rel=0.02)
@@ -85,7 +89,7 @@ def test_directions_are_remembered_at_both_ends(plane):
 
 
 def test_the_coarse_operator_is_the_same_for_wide_light(plane):
-    operator = Pyramid.of(*plane, SPACING, _walks(plane[0], 6), EACH)
+    operator = _operator(plane, 6)
     wide = operator.averaged((1.0 + plane[0][:, 0]).astype(np.float32))
     fine = operator.apply(_arriving(plane[0], operator.interpolated(wide)))[:, 0, 0]
     inner = np.abs(operator.averaged(plane[0][:, 0].astype(np.float32))) < 0.5
