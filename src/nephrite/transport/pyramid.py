@@ -223,5 +223,6 @@ def _kernels(
                     brought = seen * right[j - 1] if j else seen
                     values[:, i, j] = np.add.reduceat(brought, first) * scale if len(first) else 0
         size = parts * count
-        kernels.append(sparse.bsr_matrix((values, column.astype(np.int32), starts), shape=(size, size)))
+        blocks = sparse.bsr_matrix((values, column.astype(np.int32), starts), shape=(size, size))
+        kernels.append(blocks.tocsr())
     return kernels
