@@ -24,9 +24,7 @@ from nephrite.plugins import channels, interface
 _WALKS_PER_LANE = 32
 _MIN_LANES = 1 << 14
 _ROULETTE_SHARE = 0.05  # of the light, below which roulette begins
-_ORDER = (
-    32.0  # reduced order of scattering, above which walks are thinned out: what is left goes with its inverse
-)
+_ORDER = 64.0  # reduced order of scattering, above which walks are thinned out by its inverse
 _LONGEST = 100_000
 
 
