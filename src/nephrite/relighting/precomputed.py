@@ -23,7 +23,7 @@ from nephrite.plugins.transport import Transport
 from nephrite.plugins.winding import triangles
 from nephrite.transport.pyramid import GRIDS, Pyramid
 
-FORMAT = "nephrite transport 1"
+FORMAT = "nephrite transport 2"
 
 Key = dict[str, Any]
 
@@ -47,6 +47,7 @@ class Precomputed:
             zip(self.layouts, self.operators, strict=True)
         ):
             arrays |= {f"{i}.points": points, f"{i}.normals": normals, f"{i}.spacing": np.array(spacing)}
+            arrays |= {f"{i}.facing{grid}": operator.facing[grid] for grid in range(1, GRIDS)}
             for name, matrices in _matrices(operator).items():
                 first = matrices[0]
                 arrays |= {
@@ -190,4 +191,5 @@ def _operator(arrays: dict[str, NDArray], prefix: str) -> Pyramid:
 
     smooth, *ups = (matrices(name) or [None] for name in ("smooth", *(f"up{i}" for i in range(GRIDS - 1))))
     means, moments = ([matrices(f"{name}{i}") for i in range(GRIDS)] for name in ("mean", "moment"))
-    return Pyramid([up[0] for up in ups], means, moments, smooth[0])
+    facing = [arrays[f"{prefix}{name}"] for name in ("normals", *(f"facing{i}" for i in range(1, GRIDS)))]
+    return Pyramid([up[0] for up in ups], facing, means, moments, smooth[0])

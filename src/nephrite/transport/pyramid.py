@@ -11,12 +11,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import reduce
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from nephrite.transport.frames import frames, turned, turning
 from nephrite.transport.nodes import REACH, interpolation, smoothing, spread
 
 MEANS = ((0, 1, 2), (3,), (4,), (5,))
@@ -68,14 +70,20 @@ def levels(lengths: NDArray, free: float) -> NDArray:
 class Pyramid:
     """The operator T of one surface.
 
-    `ups`: from each grid's cells to those of the grid before; `means`, `moments`: for each grid, None or the kernels
-    between its cells, one a channel. Kernels of means are [cells, cells]; those of moments, [4 cells, 4 cells], take a
-    mean and three moments to such, but no mean to a mean. The kernels of a grid have their entries in the same places.
+    `ups`: from each grid's cells to those of the grid before; `facing`: normals of the nodes, and of each grid's cells;
+    `means`, `moments`: for each grid, None or the kernels between its cells, one a channel. Kernels of means are
+    [cells, cells]; those of moments, [3 cells, 3 cells], take a mean and a tangential vector (see `frames`) to such,
+    but no mean to a mean. The kernels of a grid have their entries in the same places.
     """
 
-    def __init__(self, ups: list[Any], means: list[Any], moments: list[Any], smooth: Any) -> None:
+    def __init__(
+        self, ups: list[Any], facing: list[NDArray], means: list[Any], moments: list[Any], smooth: Any
+    ) -> None:
         """Hold the matrices; `smooth` takes the noise of single nodes out of their means."""
-        self.ups, self.means, self.moments, self.smooth = ups, means, moments, smooth
+        self.ups, self.facing, self.means, self.moments, self.smooth = ups, facing, means, moments, smooth
+        self._frames = frames(facing[0]).astype(np.float32)
+        self._turns = [turning(up, *both) for up, both in zip(ups, pairwise(facing), strict=True)]
+        self._back_turns = [turn.T.tocsr() for turn in self._turns]
         self._downs = [up.T.tocsr() for up in ups]
         self._mass = [np.ones(smooth.shape[0], np.float32)]
         for down in self._downs:
@@ -107,7 +115,7 @@ class Pyramid:
         Nodes are at `points`, with `normals`, and keep the distance `spacing`; `free`: the least mean free path.
         """
         level = levels(walks.length, free)
-        ups, means, moments = [], [], []
+        ups, facing, means, moments = [], [normals], [], []
         p, n, cell, mass = points, normals, np.arange(len(points)), np.ones(len(points))
         for grid in range(GRIDS):
             if grid:
@@ -117,13 +125,18 @@ class Pyramid:
                 p, n, cell = p[centres], n[centres], np.asarray(up.argmax(axis=1)).ravel()[cell]
                 mass = up.T @ mass
                 ups.append(up)
+                facing.append(n)
             cells = np.bincount(cell, minlength=len(p)), mass
-            for kernels, counted, parts in ((means, MEANS[grid], 1), (moments, MOMENTS[grid], 4)):
-                own = np.flatnonzero(np.isin(level, counted))
-                kernels.append(
-                    _kernels(walks.chosen(own), level[own] > 0, cell, cells, each, parts) if counted else None
-                )
-        return cls(ups, means, moments, smoothing(points, normals, spacing))
+            turns = turned(n[cell], normals).astype(np.float32)
+            for kernels, counted, directed in ((means, MEANS[grid], False), (moments, MOMENTS[grid], True)):
+                chosen = np.flatnonzero(np.isin(level, counted))
+                own, far = walks.chosen(chosen), level[chosen] > 0
+                ends = [
+                    np.einsum("nkj,jn->kn", turns[node], direction) if directed else direction[:0]
+                    for node, direction in ((own.start, own.back), (own.end, own.out))
+                ]
+                kernels.append(_kernels(own, far, cell, cells, each, *ends) if counted else None)
+        return cls(ups, facing, means, moments, smoothing(points, normals, spacing))
 
     def apply(self, arriving: NDArray) -> NDArray:
         """Return what is seen at the nodes, [nodes, 4, channels], of what arrives there.
@@ -134,22 +147,27 @@ class Pyramid:
 
     def channel(self, arriving: NDArray, channel: int) -> NDArray:
         """Return the same for one channel: [nodes, 4] of [nodes, 4]."""
-        given = [np.ascontiguousarray(arriving, np.float32)]
-        for down in self._downs:
+        given = [np.ascontiguousarray(arriving[:, 0], np.float32)]
+        vectors = [np.einsum("nkj,nj->nk", self._frames, arriving[:, 1:]).astype(np.float32)]
+        for down, back in zip(self._downs, self._back_turns, strict=True):
             given.append(down @ given[-1])
-        found = [np.zeros_like(values) for values in given]
+            vectors.append((back @ vectors[-1].ravel()).reshape(-1, 2))
+        found = [np.zeros((len(values), 3), np.float32) for values in given]
         for grid, values in enumerate(given):
             if self.means[grid]:
-                found[grid][:, 0] = self.means[grid][channel] @ np.ascontiguousarray(values[:, 0])
+                found[grid][:, 0] = self.means[grid][channel] @ values
             if self.moments[grid]:
-                found[grid] += (self.moments[grid][channel] @ values.ravel()).reshape(-1, 4)
+                both = np.column_stack([values, vectors[grid]]).ravel()
+                found[grid] += (self.moments[grid][channel] @ both).reshape(-1, 3)
         for grid, excess in enumerate(self._excess):
-            local = given[grid + AROUND][:, 0] / self._mass[grid + AROUND]
-            found[grid][:, 0] -= excess[channel] * self._finer(local, grid + AROUND, grid)
+            around = given[grid + AROUND] / self._mass[grid + AROUND]
+            found[grid][:, 0] -= excess[channel] * self._finer(around, grid + AROUND, grid)
         for grid in range(GRIDS - 1, 0, -1):
-            found[grid - 1] += self.ups[grid - 1] @ found[grid]
-        found[0][:, 0] = self.smooth @ np.ascontiguousarray(found[0][:, 0])
-        return found[0]
+            up, turn = self.ups[grid - 1], self._turns[grid - 1]
+            found[grid - 1][:, 0] += up @ np.ascontiguousarray(found[grid][:, 0])
+            found[grid - 1][:, 1:] += (turn @ found[grid][:, 1:].ravel()).reshape(-1, 2)
+        mean = self.smooth @ np.ascontiguousarray(found[0][:, 0])
+        return np.column_stack([mean, np.einsum("nkj,nk->nj", self._frames, found[0][:, 1:])])
 
     def averaged(self, values: NDArray) -> NDArray:
         """Return means over the cells of the grid `COARSE`, of values at the nodes."""
@@ -188,17 +206,19 @@ def averaging(up: Any) -> Any:
 
 
 def _kernels(
-    walks: Walks, far: NDArray, cell: NDArray, cells: tuple[NDArray, NDArray], each: int, parts: int
+    walks: Walks, far: NDArray, cell: NDArray, cells: tuple[NDArray, NDArray], each: int,
+    back: NDArray, out: NDArray,
 ) -> list[Any]:  # fmt: skip
     """Return the kernels between cells, one a channel: per node here, and per sum over the nodes there.
 
     Walks to places nearby are counted at their start; those that are `far` at both ends, as they are reciprocal.
-    `cell`: of each node; `cells`: numbers of nodes, and sums over what they take of each node.
+    `cell`: of each node; `cells`: numbers of nodes, and sums over what they take of each node; `back`, `out`:
+    directions at both ends, [components, walks].
     """
     nodes, mass = (np.maximum(values, 1e-12) for values in cells)
-    count, back = len(nodes), np.flatnonzero(far)
+    count, parts, returned = len(nodes), 1 + len(back), np.flatnonzero(far)
     start, end = cell[walks.start], cell[walks.end]
-    place = np.concatenate([start, end[back]]) * count + np.concatenate([end, start[back]])
+    place = np.concatenate([start, end[returned]]) * count + np.concatenate([end, start[returned]])
     order = np.argsort(place)
     place = place[order]
     first = np.flatnonzero(np.diff(place, prepend=-1))
@@ -207,10 +227,10 @@ def _kernels(
     weight = np.where(far, np.float32(0.5), np.float32(1.0)) * walks.weight
 
     def sorted_(there: NDArray, here: NDArray) -> NDArray:
-        return np.concatenate([there, here[back]])[order]
+        return np.concatenate([there, here[returned]])[order]
 
-    left = [sorted_(*both) for both in zip(walks.back, walks.out, strict=True)]
-    right = [sorted_(*both) for both in zip(walks.out, walks.back, strict=True)]
+    left = [sorted_(*both) for both in zip(back, out, strict=True)]
+    right = [sorted_(*both) for both in zip(out, back, strict=True)]
     starts = np.searchsorted(row, np.arange(count + 1)).astype(np.int32)
     kernels = []
     for share in weight:
