@@ -25,7 +25,9 @@ MEANS = ((0, 1, 2), (3,), (4,), (5,))
 """Levels of distance whose walks are counted between the cells of each grid: the nodes, cells of 2, 4, 8 spacings."""
 
 MOMENTS = ((), (), (0, 1, 2), (3, 4, 5))
-"""The same for what is remembered of directions."""
+"""The same for what is remembered of directions; one grid finer on objects of fewer than `FEW` nodes."""
+
+FEW = 10_000
 
 GRIDS = len(MEANS)
 LEVELS = 6  # of distances; each is twice the one before
@@ -116,6 +118,7 @@ class Pyramid:
         """
         level = levels(walks.length, free)
         ups, facing, means, moments = [], [normals], [], []
+        remembered = (*MOMENTS[1:], ()) if len(points) < FEW else MOMENTS
         p, n, cell, mass = points, normals, np.arange(len(points)), np.ones(len(points))
         for grid in range(GRIDS):
             if grid:
@@ -128,7 +131,10 @@ class Pyramid:
                 facing.append(n)
             cells = np.bincount(cell, minlength=len(p)), mass
             turns = turned(n[cell], normals).astype(np.float32)
-            for kernels, counted, directed in ((means, MEANS[grid], False), (moments, MOMENTS[grid], True)):
+            for kernels, counted, directed in (
+                (means, MEANS[grid], False),
+                (moments, remembered[grid], True),
+            ):
                 chosen = np.flatnonzero(np.isin(level, counted))
                 own, far = walks.chosen(chosen), level[chosen] > 0
                 ends = [
