@@ -72,7 +72,7 @@ def _walk(scene: Any, sampler: Any, entry: Any, at: Any, shape: Any, count: int,
     g = dr.opaque(mi.Float, entry.g)
     reach = dr.opaque(mi.Float, entry.reach())
     normalization = dr.opaque(mi.Float, lobe.exit_lobe(entry.eta).normalization)
-    linear = dr.opaque(mi.Float, 2 / lobe.exit_lobe(entry.eta).m2)
+    m2 = dr.opaque(mi.Float, lobe.exit_lobe(entry.eta).m2)
     thinned = dr.opaque(mi.Float, _ORDER / max(1 - entry.g, 1e-3))  # events
     points, lanes = dr.width(at.p), sampler.wavefront_size()
 
@@ -82,7 +82,7 @@ def _walk(scene: Any, sampler: Any, entry: Any, at: Any, shape: Any, count: int,
     sigma_t, sigma_s = mi.Spectrum(0), mi.Spectrum(0)
     channel, β, ratio = mi.UInt32(0), mi.Spectrum(0), mi.Spectrum(0)
     ray = dr.zeros(mi.Ray3f, lanes)
-    events, steps = mi.UInt32(0), mi.UInt32(0)
+    events, steps, travelled = mi.UInt32(0), mi.UInt32(0), mi.Float(0)
     while active:
         if fresh:
             start = dr.gather(type(at), at, walks % points, active)
@@ -96,12 +96,13 @@ def _walk(scene: Any, sampler: Any, entry: Any, at: Any, shape: Any, count: int,
             entered = mi.Spectrum((1 - inward.reflectance) / normalization)
             channel, β, ratio = channels.lead(entered, sigma_t, sampler.next_1d(active))
             ray = start.spawn_ray(inward.refracted)
-            events, steps = mi.UInt32(0), mi.UInt32(0)
+            events, steps, travelled = mi.UInt32(0), mi.UInt32(0), mi.Float(0)
         leading = dr.maximum(channels.pick(sigma_t, channel), 1e-30)
         ray.maxt = dr.minimum(-dr.log(1 - sampler.next_1d(active)) / leading, 1e30)
         hit = scene.ray_intersect_preliminary(ray, coherent=False, active=active)
         stops = hit.is_valid()
         distance = dr.select(stops, hit.t, ray.maxt)
+        travelled += distance
         along = dr.exp(-sigma_t * distance)
         density = along * dr.select(stops, 1, sigma_t)
         of_leader = dr.maximum(channels.pick(density, channel), 1e-30)
@@ -116,13 +117,15 @@ def _walk(scene: Any, sampler: Any, entry: Any, at: Any, shape: Any, count: int,
             own = dr.reinterpret_array(mi.UInt32, si.shape) == identity
             leaves = own & (u.x >= x.reflectance)
             gone = active & leaves & (events > 1)
-            memory = linear * lobe.memory(mi.Float(events), g)[0]
+            memory = lobe.memory(mi.Float(events), g)[0]
+            usual = (1 - memory) * lobe.usual((si.p - origin) / travelled, eta, m2)
+            out, back = memory * x.refracted + usual, -memory * falling - usual
             normal = dr.gather(mi.Normal3f, at.n, walks % points, gone)
             dr.scatter(ends.p, si.p, walks, gone)
             dr.scatter(ends.n, -x.normal, walks, gone)
             dr.scatter(ends.weight, weight, walks, gone)
-            dr.scatter(ends.out, memory * _tangential(x.refracted, -x.normal), walks, gone)
-            dr.scatter(ends.back, -memory * _tangential(falling, mi.Vector3f(normal)), walks, gone)
+            dr.scatter(ends.out, 2 / m2 * _tangential(out, -x.normal), walks, gone)
+            dr.scatter(ends.back, 2 / m2 * _tangential(back, mi.Vector3f(normal)), walks, gone)
             dr.scatter(ends.lost, weight, walks, active & ~own)
             ray = si.spawn_ray(x.reflected)
             goes_on &= own & ~leaves
