@@ -65,19 +65,17 @@ class Transport:
         for turn, begun in enumerate(range(0, each, most)):
             ends = walked.walk(scene, turn, entry, at, shape, len(points) * min(most, each - begun))
             parts.append(self._between_nodes(ends, number))
-            lost += float(dr.sum(dr.max(ends.lost))[0]) / (len(points) * each)
+            lost += float(np.array(dr.sum(dr.max(ends.lost)))[0]) / (len(points) * each)
         operator = Pyramid.of(points, normals, spacing, float(free_paths(entry).min()), joined(parts), each)
         return Surface(points, normals, spacing, operator, lost)
 
     def _between_nodes(self, ends: walked.Ends, number: int) -> Walks:
         """Return the walks that brought something, from node to node of a surface."""
         own = self.lookup.own(number)
-        used = dr.compress(dr.max(ends.weight) > 0)
+        used: Any = dr.compress(dr.max(ends.weight) > 0)
         start = used % (own.stop - own.start)
-        p, n, weight, back, out = (
-            dr.gather(type(values), values, used)
-            for values in (ends.p, ends.n, ends.weight, ends.back, ends.out)
-        )
+        columns: list[Any] = [ends.p, ends.n, ends.weight, ends.back, ends.out]
+        p, n, weight, back, out = (dr.gather(type(values), values, used) for values in columns)
         everywhere = dr.full(mi.Bool, True, dr.width(used))
         end = self.lookup.nearby.nearest(mi.UInt32(number), p, n, everywhere) - own.start
         length = dr.norm(p - dr.gather(mi.Point3f, self.lookup.at.p, start + own.start))

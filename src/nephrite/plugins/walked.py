@@ -114,7 +114,7 @@ def _walk(scene: Any, sampler: Any, entry: Any, at: Any, shape: Any, count: int,
         if stops:
             si = hit.compute_surface_interaction(ray, mi.RayFlags.All, active & stops)
             x = interface.cross(si, ray.d, dr.rcp(eta))
-            own = dr.reinterpret_array(mi.UInt32, si.shape) == identity
+            own = mi.Bool(dr.reinterpret_array(mi.UInt32, si.shape) == identity)
             leaves = own & (u.x >= x.reflectance)
             gone = active & leaves & (events > 1)
             memory = lobe.memory(mi.Float(events), g)[0]
