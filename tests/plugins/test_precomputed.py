@@ -35,7 +35,7 @@ def test_nothing_is_lost_in_even_light():
 @pytest.mark.slow
 @pytest.mark.parametrize("trial", [scenes.TRIALS[i] for i in (0, 1, 4)], ids=lambda trial: trial.name)
 def test_pictures_are_the_walks(trial):
-    """Within 2 % in the mean and 5 % in blocks of 4 x 4, with 3 million walks: curved, with edges, g of .8."""
+    """Within 2 % in the mean and 5 % in blocks of 4 x 4, with 1.5 million walks: curved, with edges, g of .8."""
     scene = mi.load_dict(scenes.trial(trial))
     walk = measure.passes(scene, scenes.ours(), 512, 8, 100)
     own = measure.passes(scene, scenes.ours(model="transport"), 512, 4, 900)
@@ -64,7 +64,7 @@ def test_several_objects_light_each_other():
 
 
 def test_a_ball_lit_from_the_side_keeps_its_directions():
-    """Without memory at both ends, it is some 13 % too dark; within 2 %, with 3 million walks."""
+    """Without memory at both ends, it is some 13 % too dark; within 2 %, with 1.5 million walks."""
     scene = scenes.camera(8, fov=10.0) | {"light": scenes.light((0.9, 0.3, 0.1))}
     scene["ball"] = {"type": "sphere", "radius": 9.0} | scenes.translucent(0.02, 1.0)
     scene = mi.load_dict(scene)

@@ -82,7 +82,7 @@ def read(props: Any) -> Settings:
         profiles=() if profile is None else _profiles(str(profile)),
         thickness=math.inf if thickness is None else float(thickness),
         walks=_count(
-            props, "walks", 3_000_000, 1, "the number of walks per object that transport is made of"
+            props, "walks", 1_500_000, 1, "the number of walks per object that transport is made of"
         ),
     )
 

@@ -35,7 +35,7 @@ class TranslucentPath(mi.SamplingIntegrator):
        - For ``multipole``: thickness of the plate or sheet in mm; see the BSDF's ``unit``. (Default: without end)
      * - walks
        - |int|
-       - For ``transport``: walks per object that it is precomputed from. (Default: 3000000)
+       - For ``transport``: walks per object that it is precomputed from. (Default: 1500000)
      * - terms
        - |string|
        - ``all``, or a sum of ``reduced``, ``single`` and ``multiple``: the paths that scatter in media never,
