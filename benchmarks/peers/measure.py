@@ -25,7 +25,8 @@ from numpy.typing import NDArray
 
 _MOST_SAMPLES = 1 << 16
 _DEAR = 1 / 32  # share of the time: calls with one sample that take longer are looked into
-_PROBE = 4  # samples of the call that tells what a sample costs
+_PROBE = 4  # samples of the first call that is to tell what a sample costs
+_TELLING = 1 / 4  # of a call with one sample: what more of them must take beyond that, to stand out of its noise
 
 
 @dataclass
@@ -105,12 +106,17 @@ def _first_level(timed: Callable[[int], tuple[Any, float]], seconds: float) -> i
     one = timed(1)[1]
     if one < _DEAR * seconds:
         return 1
-    sample = max((timed(_PROBE)[1] - one) / (_PROBE - 1), one / _MOST_SAMPLES)
+    probe, more = _PROBE, timed(_PROBE)[1] - one
+    while more < _TELLING * one and probe < _MOST_SAMPLES // 4:
+        probe *= 4
+        more = timed(probe)[1] - one
+    sample = max(more / (probe - 1), one / _MOST_SAMPLES)
     fixed = one - sample
     if fixed < one / 2:
         return 1
     affordable = max(seconds / 2 - fixed, fixed) / sample
-    return 1 << max(int(affordable), 1).bit_length() - 1  # a power of two: the same in all rounds
+    affordable = min(max(int(affordable), 1), _MOST_SAMPLES)
+    return 1 << affordable.bit_length() - 1  # a power of two: the same in all rounds
 
 
 def peak_memory() -> int:
