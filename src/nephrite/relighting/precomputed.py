@@ -79,7 +79,7 @@ class Precomputed:
                     )
 
 
-def precompute(scene: Any, walks: int = 3_000_000) -> Precomputed:
+def precompute(scene: Any, walks: int = 1_500_000) -> Precomputed:
     """Walk through all translucent objects of a scene, `walks` times each.
 
     Raises `ParameterError` for objects that transport does not hold for.

@@ -35,7 +35,7 @@ class Viewer:
     """
 
     def __init__(
-        self, scene: Any, transport: Precomputed | str | os.PathLike | None = None, *, walks: int = 3_000_000,
+        self, scene: Any, transport: Precomputed | str | os.PathLike | None = None, *, walks: int = 1_500_000,
         sensor: int = 0,
     ) -> None:  # fmt: skip
         """Prepare all that does not depend on the lights.
