@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 _MOST_SAMPLES = 1 << 16
 _DEAR = 1 / 32  # share of the time: calls with one sample that take longer are looked into
 _PROBE = 4  # samples of the first call that is to tell what a sample costs
-_TELLING = 1 / 4  # of a call with one sample: what more of them must take beyond that, to stand out of its noise
+_TELLING = 0.25  # of a call with one sample: what more of them must take beyond it
 
 
 @dataclass
