@@ -1,6 +1,6 @@
 """Relighting of benchmark scene B1, the skim-milk dragon at 400 x 300: what a frame costs, and its bias.
 
-    .venv/bin/python benchmarks/relight.py [--spp 0] [--positions 24] [--transport FILE] [--pictures FOLDER]
+    .venv/bin/python benchmarks/relight.py [--spp 0] [--positions 36] [--transport FILE] [--pictures FOLDER]
 
 Times are wall clock: of moving the light, and of the frame that follows. With `--spp`, frames are compared with the
 walk of so many samples a pixel, under B1's own light and under one in front: see `nephrite.atlas.compared`.

@@ -10,9 +10,11 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from benchmarks import commanded, fixed, growth, growth_asked, growth_numbers, growth_page, methods  # noqa: E402
-from benchmarks.growth_asked import Results  # noqa: E402
-from benchmarks.growth_numbers import Point  # noqa: E402
+from benchmarks import methods  # noqa: E402
+from benchmarks.growth import as_user, asked, page, renders, run  # noqa: E402
+from benchmarks.growth import numbers as growth_numbers  # noqa: E402
+from benchmarks.growth.asked import Results  # noqa: E402
+from benchmarks.growth.numbers import Point  # noqa: E402
 from benchmarks.peers import measure  # noqa: E402
 
 BLACK = np.zeros((6, 8, 3), np.uint8)
@@ -56,7 +58,7 @@ class Clock:
 def test_what_is_paid_once_is_told_from_samples(setup: float, start: float) -> None:
     clock = Clock(setup, start)
     renderer = measure.Renderer(clock.render, "clock", startup=start > 0)
-    told, pictures = fixed.timed(renderer, clock.renew, 7, 8, lambda: clock.now)
+    told, pictures = renders.timed(renderer, clock.renew, 7, 8, lambda: clock.now)
     assert growth_numbers.cost(told) == {"sampling": pytest.approx(8.0), "before": pytest.approx(setup)}
     assert len(set(clock.seeds)) == len(clock.seeds)
     assert not np.array_equal(pictures["a"], pictures["b"])
@@ -91,17 +93,17 @@ def test_ratios_are_of_ends_and_of_extremes() -> None:
 
 def test_g_keeps_the_reduced_scattering() -> None:
     scene = {"g": 0.2, "sigma_s": [1.0, 2.0], "sigma_a": [0.1, 0.1]}
-    found = growth.anisotropic(scene, 0.9)
+    found = run.anisotropic(scene, 0.9)
     np.testing.assert_allclose(np.array(found["sigma_s"]) * (1 - 0.9), np.array(scene["sigma_s"]) * (1 - 0.2))
     assert found["sigma_a"] == scene["sigma_a"]
-    assert growth.anisotropic(scene, 0.2) == scene
+    assert run.anisotropic(scene, 0.2) == scene
 
 
 # --- Processes ---
 
 
-@pytest.mark.parametrize("run", [commanded.with_memory, commanded.from_outside])
-def test_the_command_line_is_measured(run, tmp_path: Path) -> None:
+@pytest.mark.parametrize("command_line", [as_user.with_memory, as_user.from_outside])
+def test_the_command_line_is_measured(command_line) -> None:
     arguments = [
         "render",
         "sphere",
@@ -114,15 +116,15 @@ def test_the_command_line_is_measured(run, tmp_path: Path) -> None:
         "-o",
         "picture.png",
     ]
-    found, _ = run({"arguments": arguments, "cold": False})
+    found, _ = command_line({"arguments": arguments, "cold": False})
     assert found["seconds"] > 0
     assert found["notes"]["samples"] == "1"
     assert found["notes"]["denoised"] in ("yes", "no")
 
 
 def test_a_command_that_fails_says_why() -> None:
-    with pytest.raises(commanded.runner.FailedError, match="exit status 2"):
-        commanded.with_memory({"arguments": ["render", "--glow"]})
+    with pytest.raises(as_user.runner.FailedError, match="exit status 2"):
+        as_user.with_memory({"arguments": ["render", "--glow"]})
 
 
 # --- The page ---
@@ -146,15 +148,15 @@ def results() -> Results:
     )  # fmt: skip
 
 
-def rows(page: str) -> dict[str, list[str]]:
+def rows(text: str) -> dict[str, list[str]]:
     """Return the first table's cells by its first column."""
-    lines = page.partition("## Asked and measured")[2].partition("\n## ")[0].splitlines()
+    lines = text.partition("## Asked and measured")[2].partition("\n## ")[0].splitlines()
     cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("|")]
     return {row[0]: row[1:] for row in cells}
 
 
 def test_what_was_asked_stands_beside_what_was_measured() -> None:
-    found = rows(growth_asked.asked(results()))
+    found = rows(asked.asked(results()))
     assert found["triangles 11,000 -> 871,000: `walk`"] == ["time x 2", "x 1.50", "yes"]
     assert found["triangles 11,000 -> 871,000: `cycles`"][1:] == ["-", "-"]
     told = "size 10 -> 1,000 mm: `transport`, {}, last to first"
@@ -167,15 +169,15 @@ def test_what_was_asked_stands_beside_what_was_measured() -> None:
 
 def test_nothing_is_said_of_growth_that_was_not_measured_to_its_end() -> None:
     cut = Results(triangles=[Point(1, {"walk": numbers(1.0)}), Point(2, {"walk": numbers(1.0)}), Point(3)])
-    assert rows(growth_asked.asked(cut))["triangles 1 -> 3: `walk`"][1:] == ["-", "-"]
+    assert rows(asked.asked(cut))["triangles 1 -> 3: `walk`"][1:] == ["-", "-"]
 
 
 def test_the_page_has_its_plots_and_survives_what_is_missing(tmp_path: Path) -> None:
     for found in (results(), Results()):
-        page = growth_page.write(
-            tmp_path / "growth.md", found, TITLES, {"bpy": "no wheel"}, growth.FULL, quick=False
+        written = page.write(
+            tmp_path / "growth.md", found, TITLES, {"bpy": "no wheel"}, run.FULL, quick=False
         )
-        text = page.read_text(encoding="utf-8")
+        text = written.read_text(encoding="utf-8")
         assert "- bpy: no wheel" in text
         linked = [part.partition(")")[0] for part in text.split("](")[1:] if part.startswith("figures")]
         assert all((tmp_path / link).stat().st_size < 100_000 for link in linked)

@@ -58,6 +58,6 @@ def light_density(scene: Any, p: Any, si: Any, active: Any) -> Any:
     return scene.pdf_emitter_direction(here, mi.DirectionSample3f(scene, si, here), active)
 
 
-def balance(own: Any, other: Any) -> Any:
-    """Balance heuristic; 0 where neither technique can."""
+def found_by(own: Any, other: Any) -> Any:
+    """Weight of a light that one way of two has found, by their densities: the balance heuristic."""
     return dr.select(own > 0, own / (own + other), 0)

@@ -14,11 +14,12 @@ _MOST = 4  # lamps that are looked for
 
 
 def lamps(scene: Any) -> list[tuple[Any, Any]]:
-    """Return centers and radii of spheres around the lamps that have a surface; none if there are too many."""
-    boxes = [light.get_shape().bbox() for light in scene.emitters() if light.get_shape() is not None]
-    if len(boxes) > _MOST:
+    """Return centres and radii of spheres around the lamps that have a surface; none if there are too many."""
+    shapes = [light.get_shape() for light in scene.emitters()]
+    found = [shape.bbox().bounding_sphere() for shape in shapes if shape is not None]
+    if len(found) > _MOST:
         return []
-    spheres = [(mi.Point3f(box.center()), mi.Float(dr.norm(box.extents()) / 2)) for box in boxes]
+    spheres = [(mi.Point3f(sphere.center), mi.Float(sphere.radius)) for sphere in found]
     dr.make_opaque(spheres)  # lamps that move compile nothing anew
     return spheres
 
@@ -26,8 +27,8 @@ def lamps(scene: Any) -> list[tuple[Any, Any]]:
 def may_meet(spheres: list[tuple[Any, Any]], p: Any, direction: Any) -> Any:
     """Return whether what leaves `p` in a direction meets one of the spheres of `lamps`."""
     meets = mi.Bool(False)
-    for center, radius in spheres:
-        offset = center - p
+    for centre, radius in spheres:
+        offset = centre - p
         along = dr.dot(offset, direction)
         meets |= (along + radius > 0) & (dr.squared_norm(offset - along * direction) < dr.square(radius))
     return meets

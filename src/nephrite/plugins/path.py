@@ -16,7 +16,7 @@ import mitsuba as mi
 from nephrite.bssrdf import lobe
 from nephrite.physics import phase
 from nephrite.plugins import channels, glints, interface, jump
-from nephrite.plugins.exits import balance, connection_count, leave, light_density, toward
+from nephrite.plugins.exits import connection_count, found_by, leave, light_density, toward
 from nephrite.plugins.media import Media
 from nephrite.plugins.settings import Settings
 
@@ -150,12 +150,12 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
         ray.o[scatters] = ray(distance)
         ray.d[scatters] = turned
         weight = β / dr.sum(ratio)
-        dead = active & ~s.may_go_on(order)
+        dead = mi.Bool(False)
 
         # --- Jump: at the second event a diffusion model takes over, and looks for where the light comes out ----------
         jumps = mi.Bool(False)
         if dr.hint(media.any_jump, mode="scalar"):
-            jumps = scatters & (events == 2) & media.jumps(within) & ~dead
+            jumps = scatters & (events == 2) & media.jumps(within)
             if jumps:
                 share = media.lookup(media.single_share, within)
                 β = mi.Spectrum(weight / jump.arriving(sigma_s / dr.maximum(sigma_t, 1e-30), share))
@@ -200,7 +200,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                 sees &= depth > 0
             if sees:
                 by_light = connections * light_density(scene, last_p, si, ~last_delta)
-                L += weight * emitter.eval(si) * dr.select(last_delta, 1, balance(last_pdf, by_light))
+                L += weight * emitter.eval(si) * dr.select(last_delta, 1, found_by(last_pdf, by_light))
 
             goes_on = reaches & si.is_valid() & (depth + 1 < s.max_depth)
             valid |= reaches & si.is_valid()
@@ -312,7 +312,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                             value *= dr.select(landed, media.directional.ratio(
                                 within, sigma_t - sigma_s, sigma_s, entry_p, entry_n, entry_w, at.p, normal, ds.d
                             ), 1)  # fmt: skip
-                    mis = dr.select(ds.delta, 1, balance(connections * ds.pdf, pdf)) / connections
+                    mis = dr.select(ds.delta, 1, found_by(connections * ds.pdf, pdf)) / connections
                     L[ds.pdf > 0] += weight * value * light * mis
 
             # Choose the next direction on everything that light can't enter

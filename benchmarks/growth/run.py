@@ -22,9 +22,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks import analysis, commanded, growth_numbers, growth_page, methods, runner, scenes
-from benchmarks.growth_asked import METHODS, Results
-from benchmarks.growth_numbers import Numbers, Point
+from benchmarks import analysis, methods, runner, scenes
+from benchmarks.growth import as_user, numbers, page
+from benchmarks.growth.asked import METHODS, Results
+from benchmarks.growth.numbers import Numbers, Point
 from benchmarks.store import Pictures, Store
 from nephrite.atlas.compared import difference
 
@@ -75,7 +76,9 @@ class Growth:
         self.plan: dict[str, Any] = QUICK if given.quick else FULL
         self.folder = ROOT / ("out/bench-quick/growth" if given.quick else "out/bench/growth")
         self.store = Store(self.folder)
-        self.sources = runner.sources("fixed.py", "command.py", "commanded.py", "growth_numbers.py")
+        self.sources = runner.sources(
+            *(f"growth/{name}.py" for name in ("renders", "command", "as_user", "numbers"))
+        )
         self.left_out: dict[str, str] = {}
         self.methods = {method.name: method for method in methods.all_methods(gpu=False)}
         packages = [self.methods[name].package for name in METHODS]
@@ -99,10 +102,10 @@ class Growth:
                 job = {"arguments": arguments, "cold": cold}
                 runs.append(
                     self._kept(
-                        "first", f"first/{number}-{'cold' if cold else 'warm'}", job, commanded.from_outside
+                        "first", f"first/{number}-{'cold' if cold else 'warm'}", job, as_user.from_outside
                     )
                 )
-        return [(numbers, pictures["shown"]) for numbers, pictures in filter(None, runs)]
+        return [(told, pictures["shown"]) for told, pictures in filter(None, runs)]
 
     def resolution(self) -> list[Point]:
         """Return seconds and memory of the command line, by pixels."""
@@ -112,7 +115,7 @@ class Growth:
             for model in ("walk", "transport"):
                 job = {"arguments": self._arguments((width, height), model, ["--spp", str(self.plan["few"])])}
                 found = self._kept(
-                    "resolution", f"resolution/{width}x{height}-{model}", job, commanded.with_memory
+                    "resolution", f"resolution/{width}x{height}-{model}", job, as_user.with_memory
                 )
                 if found:
                     point.of[model] = found[0]
@@ -171,12 +174,12 @@ class Growth:
 
     def _rendered(self, job: dict[str, Any]) -> tuple[Numbers, Pictures]:
         told, pictures = runner.run(
-            "benchmarks.fixed", Path(job["python"]), job, runner.LIMIT, runner.pictures
+            "benchmarks.growth.renders", Path(job["python"]), job, runner.LIMIT, runner.pictures
         )
-        numbers = {name: told[name] for name in ("spp", "loaded", "peak", "version", "computed")}
-        numbers |= growth_numbers.cost(told)
-        numbers["variance"] = growth_numbers.variance(pictures["a"], pictures["b"], self._mask(job["scene"]))
-        return numbers, {name: np.minimum(p, LARGEST).astype(np.float16) for name, p in pictures.items()}
+        found = {name: told[name] for name in ("spp", "loaded", "peak", "version", "computed")}
+        found |= numbers.cost(told)
+        found["variance"] = numbers.variance(pictures["a"], pictures["b"], self._mask(job["scene"]))
+        return found, {name: np.minimum(p, LARGEST).astype(np.float16) for name, p in pictures.items()}
 
     def _kept(self, section: str, name: str, job: dict[str, Any], make: Any) -> Any:
         """Return what was kept of a job, or `make` it and keep it; None if it fails, or there is no time for it."""
@@ -186,15 +189,15 @@ class Growth:
             return found
         print(f"[{(time.monotonic() - self.start) / 60:5.1f} min] {section}: {name}", flush=True)
         try:
-            numbers, pictures = make(job)
+            told, pictures = make(job)
         except runner.FailedError as error:
             self.left_out[name] = str(error)
             print(f"left out: {name}: {error}", flush=True)
             return None
         now = datetime.datetime.now(datetime.timezone.utc)
-        numbers["date"] = now.isoformat(timespec="minutes")
-        self.store.save(name, asked, numbers, pictures)
-        return numbers, pictures
+        told["date"] = now.isoformat(timespec="minutes")
+        self.store.save(name, asked, told, pictures)
+        return told, pictures
 
     def _scene(self, name: str, size: float) -> dict[str, Any]:
         """Return B1 with another object, or another size of everything in it."""
@@ -228,8 +231,4 @@ def main() -> None:
     results = growth.run()
     target = ROOT / "docs/growth.md" if not given.quick else growth.folder.parent / "growth.md"
     titles = {name: method.title for name, method in growth.methods.items()}
-    print(growth_page.write(target, results, titles, growth.left_out, growth.plan, given.quick))
-
-
-if __name__ == "__main__":
-    main()
+    print(page.write(target, results, titles, growth.left_out, growth.plan, given.quick))

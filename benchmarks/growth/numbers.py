@@ -29,7 +29,7 @@ class Point:
 def cost(told: Numbers) -> Numbers:
     """Return seconds of a picture's samples, `sampling`, and of what goes `before` and is paid once.
 
-    `told`: see `fixed.timed`. Where each call starts up anew, a call with one sample is taken off, as the benchmark
+    `told`: see `renders.timed`. Where each call starts up anew, a call with one sample is taken off, as the benchmark
     does.
     """
     spp, again = told["spp"], float(np.mean(told["again"]))

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.growth_numbers import (
+from benchmarks.growth.numbers import (
     Numbers,
     Point,
     picture,

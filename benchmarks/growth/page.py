@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import nephrite
-from benchmarks import growth_words as words
-from benchmarks.growth_asked import (
+from benchmarks.growth import words
+from benchmarks.growth.asked import (
     METHODS,
     MOST_GIB,
     MOST_SIZE,
@@ -23,8 +23,8 @@ from benchmarks.growth_asked import (
     times,
     values,
 )
-from benchmarks.growth_numbers import Numbers, Point, picture, range_of, samples_to_goal, to_goal
-from benchmarks.growth_plots import Panel, panels
+from benchmarks.growth.numbers import Numbers, Point, picture, range_of, samples_to_goal, to_goal
+from benchmarks.growth.plots import Panel, panels
 from benchmarks.page import MIB, short
 from benchmarks.peers.measure import cores
 from nephrite.atlas.tables import paragraph, percent, table
@@ -41,7 +41,7 @@ def write(
 ) -> Path:
     """Write the page to `target` and its figures beside it, into figures/growth; returns `target`.
 
-    `titles`: of the methods, by name; `plan`: see `growth.FULL`.
+    `titles`: of the methods, by name; `plan`: see `run.FULL`.
     """
     width, height = plan["resolution"]
     given = {**plan, "resolution": f"{width}x{height}"}

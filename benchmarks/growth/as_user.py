@@ -18,7 +18,7 @@ import numpy as np
 from PIL import Image
 
 from benchmarks import runner
-from benchmarks.growth_numbers import Numbers
+from benchmarks.growth.numbers import Numbers
 from benchmarks.store import Pictures
 from nephrite.image.write import read_metadata
 from nephrite.scene import cache
@@ -31,7 +31,7 @@ def with_memory(job: dict[str, Any]) -> tuple[Numbers, Pictures]:
         told = json.loads((folder / "told.json").read_text(encoding="utf-8"))
         return {**told, "notes": read_metadata(folder / "picture.png")}
 
-    return runner.run("benchmarks.command", Path(sys.executable), job, runner.LIMIT, results), {}
+    return runner.run("benchmarks.growth.command", Path(sys.executable), job, runner.LIMIT, results), {}
 
 
 def from_outside(job: dict[str, Any]) -> tuple[Numbers, Pictures]:

@@ -1,6 +1,6 @@
 """Nephrite's command line in a process that tells how long it took, and how much memory.
 
-    python -m benchmarks.command JOB.json
+    python -m benchmarks.growth.command JOB.json
 
 JOB.json holds `arguments`, those of `nephrite`, and `folder`, where `told.json` is written.
 """

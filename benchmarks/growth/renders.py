@@ -1,6 +1,6 @@
 """A peer's process for growth: two pictures with a given number of samples, and what is paid but once.
 
-    python -m benchmarks.fixed JOB.json
+    python -m benchmarks.growth.renders JOB.json
 
 JOB.json holds `peer`, a module in benchmarks/peers, its `scene` and `method` (see benchmarks/peers/measure.py), `seed`,
 `spp` and `folder`. Nephrite's integrator is kept from call to call, as it is while lights, camera or seed change: what

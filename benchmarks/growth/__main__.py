@@ -1,0 +1,5 @@
+"""`python -m benchmarks.growth`: see `run`."""
+
+from benchmarks.growth.run import main
+
+main()
