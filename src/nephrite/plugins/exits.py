@@ -58,6 +58,17 @@ def light_density(scene: Any, p: Any, si: Any, active: Any) -> Any:
     return scene.pdf_emitter_direction(here, mi.DirectionSample3f(scene, si, here), active)
 
 
+def unblocked(scene: Any, at: Any, ds: Any, value: Any, active: Any) -> Any:
+    """Return `value`, what the light sampled by `ds` would bring to `at`, or 0 where something is in the way.
+
+    A shadow ray is traced only where there is something to bring: about half of what a sky is sampled by is below the
+    horizon.
+    """
+    wanted = active & (ds.pdf > 0) & dr.any(value != 0)
+    lit = wanted & ~scene.ray_test(at.spawn_ray_to(ds.p), wanted)
+    return dr.select(lit, value, 0)
+
+
 def found_by(own: Any, other: Any) -> Any:
     """Weight of a light that one way of two has found, by their densities: the balance heuristic."""
     return dr.select(own > 0, own / (own + other), 0)

@@ -12,6 +12,7 @@ import drjit as dr
 import mitsuba as mi
 
 from nephrite.plugins import path
+from nephrite.plugins.exits import unblocked
 
 _STEPS = (0.7548776662466927, 0.5698402909980532)  # R2 sequence (Roberts 2018)
 
@@ -30,9 +31,9 @@ def direct(scene: Any, at: Any, sensitivity: Any, count: int) -> list[Any]:
     node, turn = lane // count, mi.Float(lane % count)
     moved = mi.Point2f(*(dr.gather(mi.Float, a, node) + turn * b for a, b in zip(shift, _STEPS, strict=True)))
     here = dr.gather(type(at), at, node)
-    ds, light = scene.sample_emitter_direction(here, moved - dr.floor(moved), True, mi.Bool(True))
+    ds, light = scene.sample_emitter_direction(here, moved - dr.floor(moved), False, mi.Bool(True))
     cosine = dr.maximum(dr.dot(ds.d, here.n), 0)
-    value = dr.select((ds.pdf > 0) & (cosine > 0), sensitivity(node, cosine) * cosine * light, 0)
+    value = unblocked(scene, here, ds, sensitivity(node, cosine) * cosine * light, cosine > 0)
     return _arrived(value, ds.d, here.n, node, width, count)
 
 

@@ -16,7 +16,7 @@ import mitsuba as mi
 from nephrite.bssrdf import lobe
 from nephrite.physics import phase
 from nephrite.plugins import channels, glints, interface, jump
-from nephrite.plugins.exits import connection_count, found_by, leave, light_density, toward
+from nephrite.plugins.exits import connection_count, found_by, leave, light_density, toward, unblocked
 from nephrite.plugins.media import Media
 from nephrite.plugins.settings import Settings
 
@@ -295,7 +295,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                 for i in range(connections):
                     ticket = dr.minimum((lottery + i) / connections, dr.one_minus_epsilon(mi.Float))
                     ds, light = scene.sample_emitter_direction(
-                        at, mi.Point2f(ticket, sampler.next_1d(connects)), True, connects
+                        at, mi.Point2f(ticket, sampler.next_1d(connects)), False, connects
                     )
                     local_d = si.to_local(ds.d)
                     value, pdf = mi.Spectrum(0), mi.Float(0)
@@ -313,7 +313,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                                 within, sigma_t - sigma_s, sigma_s, entry_p, entry_n, entry_w, at.p, normal, ds.d
                             ), 1)  # fmt: skip
                     mis = dr.select(ds.delta, 1, found_by(connections * ds.pdf, pdf)) / connections
-                    L[ds.pdf > 0] += weight * value * light * mis
+                    L += unblocked(scene, at, ds, weight * value * light * mis, connects)
 
             # Choose the next direction on everything that light can't enter
             if opaque:
