@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial import KDTree
 
-from nephrite.transport.nodes import DENSITY, smoothing, spread
+from nephrite.transport.nodes import DENSITY, interpolation, smoothing, spread
 
 SPACING = 0.1
 
@@ -35,6 +35,16 @@ def test_averages_keep_to_their_side():
     assert np.asarray(matrix.sum(axis=1)).ravel() == pytest.approx(1.0, abs=1e-5)
     side = normals[kept, 2]
     assert matrix @ side == pytest.approx(side, abs=1e-5)
+
+
+def test_what_lies_above_is_no_neighbour():
+    """Two sheets that face the same way, nearer to each other than nodes look: each has nodes of its own."""
+    points, _ = _leaf()
+    sheet = np.arange(len(points)) % 2
+    points[:, 2], up = 0.8 * SPACING * sheet, np.tile([0.0, 0.0, 1.0], (len(points), 1))
+    kept = spread(points, up, SPACING)
+    matrix = interpolation(points, up, points[kept], up[kept], 1.75 * SPACING)
+    assert np.abs(matrix @ sheet[kept] - sheet).max() < 1e-5
 
 
 def test_an_average_is_as_wide_as_asked_for():

@@ -15,6 +15,16 @@ PATHS_PER_LANE = 64
 MIN_LANES = 1 << 17
 
 
+class OneRay:
+    """A source of one given ray per lane."""
+
+    repeats = False
+
+    def __init__(self, ray: Any, active: Any) -> None:
+        """Hold the rays."""
+        self.first, self.active = mi.Ray3f(ray), mi.Bool(active)
+
+
 class Camera:
     """The rays of a sensor, and the image block that their radiance is put into."""
 

@@ -11,7 +11,7 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 
-from nephrite.plugins import path
+from nephrite.plugins import camera, path
 from nephrite.plugins.exits import unblocked
 
 _STEPS = (0.7548776662466927, 0.5698402909980532)  # R2 sequence (Roberts 2018)
@@ -46,7 +46,7 @@ def indirect(s: Any, scene: Any, media: Any, at: Any, sensitivity: Any, count: i
     here = dr.gather(type(at), at, node)
     local = mi.warp.square_to_cosine_hemisphere(sampler.next_2d())
     ray = here.spawn_ray(mi.Frame3f(here.n).to_world(local))
-    found = path.trace(s, scene, media, sampler, path.OneRay(ray, True)).L
+    found = path.trace(s, scene, media, sampler, camera.OneRay(ray, True)).L
     found = dr.select(dr.all(dr.isfinite(found)), found, 0)
     return _arrived(dr.pi * sensitivity(node, local.z) * found, ray.d, here.n, node, width, count)
 

@@ -184,7 +184,7 @@ class Media:
         return (model == LOW) | (model == TRANSPORT)
 
     def transported(self, s: Any, number: Any, si: Any, normal: Any, direction: Any, active: Any) -> Any:
-        """Return the multiple scattering, where it is precomputed, of paths that enter at `si`.
+        """Return what light brings that enters at `si` and scatters twice, where it is precomputed; 0 elsewhere.
 
         `normal`: outward; `direction`: where the path came from.
         """

@@ -33,19 +33,9 @@ class Result:
     started: Any
 
 
-class OneRay:
-    """A source of one given ray per lane."""
-
-    repeats = False
-
-    def __init__(self, ray: Any, active: Any) -> None:
-        """Hold the rays."""
-        self.first, self.active = mi.Ray3f(ray), mi.Bool(active)
-
-
 @dr.syntax
 def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> Result:
-    """Trace the paths of `source`: one given ray per lane (`OneRay`), or many from a film (`camera.Camera`)."""
+    """Trace the paths of `source`: one given ray per lane (`camera.OneRay`), or many from a film (`camera.Camera`)."""
     repeats = source.repeats
     longest = dr.norm(scene.bbox().extents()) if scene.bbox().valid() else 1.0
     context = mi.BSDFContext()
@@ -86,6 +76,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
     entry_w = mi.Vector3f(0, 0, 1)                      # where it came from (for directional models),
     entry_side = mi.Float(1)                            # and whether the shape's normals point outward (1) or in (-1)
     travelled = mi.Float(0)                             # Way since entry
+    deep = mi.Spectrum(0)                               # What scattering twice brings, where that is precomputed
     reach = mi.Float(0)                                 # Length of the shape's bounding box
     cut, started = mi.Float(0), mi.Float(0)             # Light in walks that were cut short, and in all
     search = jump.idle() if media.any_jump else None    # The probe
@@ -134,6 +125,9 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             L[active & inside & s.wants(order)] += here * scale
 
         along = dr.exp(-sigma_t * distance)
+        if dr.hint(media.transport is not None, mode="scalar"):
+            second = (1 - along) * sigma_s / dr.maximum(sigma_t, 1e-30)
+            L[active & inside & (events == 1)] += β / dr.sum(ratio) * second * deep
         density = dr.select(through, 1, along * dr.select(scatters, sigma_t, 1))
         of_leader = dr.maximum(channels.pick(density, channel), 1e-30)
         stays = inside & ~escapes
@@ -237,16 +231,17 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                     rough_delta = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
                     dead |= bs.pdf <= 0
 
-            # What needs no choice between the two: transport's multiple scattering, and lamps that are mirrored
-            meets_surface = crossing & ~leaving & ~rough & ~stale
-            L += (
-                weight
-                * (1 - x.reflectance)
-                * media.transported(s, number, si, outward, -ray.d, meets_surface)
-            )
+            # Lamps that are mirrored need no choice between the two
             glint = mi.Bool(False)
             if dr.hint(lamps, mode="scalar"):
-                glint = meets_surface & s.wants(order) & glints.may_meet(lamps, si.p, x.reflected)
+                glint = (
+                    crossing
+                    & ~leaving
+                    & ~rough
+                    & ~stale
+                    & s.wants(order)
+                    & glints.may_meet(lamps, si.p, x.reflected)
+                )
                 if glint:
                     L += weight * x.reflectance * glints.lamp(scene, si.spawn_ray(x.reflected), glint)
             passes = crossing & ~reflects & ~stale
@@ -353,6 +348,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                     channel, β, ratio = channels.lead(β, sigma_t, sampler.next_1d())
                     events, steps, travelled = mi.UInt32(0), mi.UInt32(0), mi.Float(0)
                     entry_p, entry_n = si.p, outward
+                    deep = media.transported(s, within, si, outward, -ray.d, enters)
                     if dr.hint(media.directional is not None, mode="scalar"):
                         entry_w = -ray.d
                     reach = media.lookup(media.reach, within)

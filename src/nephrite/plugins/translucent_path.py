@@ -87,7 +87,7 @@ class TranslucentPath(mi.SamplingIntegrator):
     ) -> tuple[Any, Any, list[Any]]:
         """Return radiance and validity along rays, and no AOVs: Mitsuba's contract for nested integrators."""
         media = self._survey(scene)
-        result = path.trace(self.settings, scene, media, sampler, path.OneRay(ray, active))
+        result = path.trace(self.settings, scene, media, sampler, camera.OneRay(ray, active))
         return result.L, result.valid, []
 
     def render(

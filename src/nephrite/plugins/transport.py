@@ -1,9 +1,11 @@
 """Precomputed transport: what walks carry through the objects of a scene, kept, and looked up where paths enter.
 
-A path that enters at x and scatters at least twice brings on average `V(x) = sum_y T(x, y) Λ(y)`: Λ(y) is what arrives
-at y from outside, as the exit lobe sees it; T what walks carry from x to y. T does not depend on the lights, so that
-it is kept when they move. Both Λ and V have first moments in direction besides their means, which bring the linear part
-of the lobe's memory (see `nephrite.bssrdf.lobe`) to the light and to the eye.
+Paths that enter at x and scatter at least twice bring on average `V(x) = sum_y T(x, y) Λ(y)`: Λ(y) is what arrives at y
+from outside, as the exit lobe sees it; T what walks carry from x to y. T does not depend on the lights, so that it is
+kept when they move. How much scatters twice differs in thin parts from direction to direction, and from one place to
+the next. So a pixel's path walks to its first event, and what scatters again brings `V(x) / P(x)`, where P is how much
+does so of all that enters at x. Both Λ and V have first moments in direction besides their means, which bring the
+linear part of the lobe's memory (see `nephrite.bssrdf.lobe`) to the light and to the eye.
 """
 
 from __future__ import annotations
@@ -23,8 +25,9 @@ from nephrite.plugins.lookup import Lookup
 from nephrite.plugins.settings import NO_LIMIT
 from nephrite.transport.pyramid import Pyramid, Walks, joined
 
-CONNECTIONS, PATHS = 64, 8  # per node
+CONNECTIONS, PATHS = 128, 16  # per node
 ROUNDS = 4  # of light between translucent surfaces
+_LEAST_SECOND = 0.1  # of light that scatters twice: below, noise would be divided by it
 _AT_ONCE = 1 << 20  # walks
 
 
@@ -32,13 +35,14 @@ _AT_ONCE = 1 << 20  # walks
 class Surface:
     """One translucent shape: its nodes, outward normals and their spacing, and what walks carry between the nodes.
 
-    `lost`: share of the light that other objects inside took.
+    `second`: share of the light that scatters twice, [nodes, channels]; `lost`: that which other objects inside took.
     """
 
     points: NDArray
     normals: NDArray
     spacing: float
     operator: Pyramid
+    second: NDArray
     lost: float
 
 
@@ -61,13 +65,16 @@ class Transport:
         points, normals = self.lookup.points[own], self.lookup.normals[own]
         at, each = at_nodes(points, normals), max(1, walks // len(points))
         most = max(1, _AT_ONCE // len(points))
-        parts, lost = [], 0.0
+        parts, second, lost = [], 0.0, 0.0
         for turn, begun in enumerate(range(0, each, most)):
             ends = walked.walk(scene, turn, entry, at, shape, len(points) * min(most, each - begun))
             parts.append(self._between_nodes(ends, number))
+            twice = np.array(ends.twice)
+            second += twice.reshape(len(twice), -1, len(points)).sum(axis=1).T / each
             lost += float(np.array(dr.sum(dr.max(ends.lost)))[0]) / (len(points) * each)
         operator = Pyramid.of(points, normals, spacing, float(free_paths(entry).min()), joined(parts), each)
-        return Surface(points, normals, spacing, operator, lost)
+        second = np.maximum(operator.smooth @ second, _LEAST_SECOND)
+        return Surface(points, normals, spacing, operator, second, lost)
 
     def _between_nodes(self, ends: walked.Ends, number: int) -> Walks:
         """Return the walks that brought something, from node to node of a surface."""
@@ -109,15 +116,16 @@ class Transport:
         )
 
     def _put(self, values: NDArray) -> None:
+        values = values / np.concatenate([surface.second for surface in self.surfaces])[:, None]
         three = np.broadcast_to(values, (*values.shape[:2], 3))  # a monochromatic variant has one channel
         self._values = mi.Float(three.astype(np.float32).ravel())
 
     def radiance(self, si: Any, normal: Any, direction: Any, active: Any) -> Any:
-        """Return V at entries `si`, with outward `normal`, of paths that came from `direction`."""
+        """Return V / P at entries `si`, with outward `normal`, of paths that came from `direction`."""
         which = self.lookup.number(si.shape, active)
         mean, *moments = self.lookup.nearby.mean(which, si.p, normal, self._values, active)
         tangential = direction - normal * dr.dot(direction, normal)
         for moment, component in zip(moments, tangential, strict=True):
             mean += component * moment
-        mean = dr.maximum(mean, 0) * self.lookup.depth(which, dr.dot(direction, normal))
+        mean = dr.maximum(mean, 0)
         return mi.Spectrum(mean.x) if mi.is_monochromatic else mi.Spectrum(mean)
