@@ -126,6 +126,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
 
         along = dr.exp(-sigma_t * distance)
         if dr.hint(media.transport is not None, mode="scalar"):
+            # precomputed objects: what would scatter a second time on this way, in expectation
             second = (1 - along) * sigma_s / dr.maximum(sigma_t, 1e-30)
             L[active & inside & (events == 1)] += β / dr.sum(ratio) * second * deep
         density = dr.select(through, 1, along * dr.select(scatters, sigma_t, 1))
@@ -234,14 +235,8 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             # Lamps that are mirrored need no choice between the two
             glint = mi.Bool(False)
             if dr.hint(lamps, mode="scalar"):
-                glint = (
-                    crossing
-                    & ~leaving
-                    & ~rough
-                    & ~stale
-                    & s.wants(order)
-                    & glints.may_meet(lamps, si.p, x.reflected)
-                )
+                glint = crossing & ~leaving & ~rough & ~stale & s.wants(order)
+                glint &= glints.may_meet(lamps, si.p, x.reflected)
                 if glint:
                     L += weight * x.reflectance * glints.lamp(scene, si.spawn_ray(x.reflected), glint)
             passes = crossing & ~reflects & ~stale

@@ -27,7 +27,7 @@ from nephrite.transport.pyramid import Pyramid, Walks, joined
 
 CONNECTIONS, PATHS = 128, 16  # per node
 ROUNDS = 4  # of light between translucent surfaces
-_LEAST_SECOND = 0.1  # of light that scatters twice: below, noise would be divided by it
+_LEAST_SECOND = 0.1  # of what scatters twice in the mean of all nodes: below, noise would be divided by it
 _AT_ONCE = 1 << 20  # walks
 
 
@@ -73,7 +73,8 @@ class Transport:
             second += twice.reshape(len(twice), -1, len(points)).sum(axis=1).T / each
             lost += float(np.array(dr.sum(dr.max(ends.lost)))[0]) / (len(points) * each)
         operator = Pyramid.of(points, normals, spacing, float(free_paths(entry).min()), joined(parts), each)
-        second = np.maximum(operator.smooth @ second, _LEAST_SECOND)
+        least = np.maximum(_LEAST_SECOND * np.mean(second, axis=0), 1e-12)  # a channel may not scatter at all
+        second = np.maximum(operator.smooth @ second, least)
         return Surface(points, normals, spacing, operator, second, lost)
 
     def _between_nodes(self, ends: walked.Ends, number: int) -> Walks:

@@ -20,9 +20,7 @@ _STEEP = 4.0
 are near each other, but not to the light; and where a surface is curved, neighbours are fewer."""
 
 _BALANCING = 30  # rounds of scaling; errors are below 1e-5 then
-_MOST_NEAR = (
-    24  # nodes that a point looks at: on both sides of a thin part, about as many as lie within reach
-)
+_MOST_NEAR = 24  # nodes that a point looks at: about as many as lie within reach on both sides of a thin part
 _FAR_SIDE = 1e-6  # weight of nodes that face away
 
 
