@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from nephrite.transport.counted import Walks
 from nephrite.transport.nodes import interpolation
-from nephrite.transport.pyramid import Pyramid, Walks
+from nephrite.transport.pyramid import Pyramid
 from support import nodes
 
 SPACING, EACH, FREE = 0.05, 64, 0.05

@@ -8,7 +8,7 @@ import drjit as dr
 import mitsuba as mi
 
 from nephrite.bssrdf import lobe
-from nephrite.plugins.media import WALK, Media
+from nephrite.plugins.media import TRANSPORT, WALK, Media
 
 _MOST_CONNECTIONS = 4
 
@@ -16,10 +16,11 @@ _MOST_CONNECTIONS = 4
 def connection_count(scene: Any, media: Media) -> int:
     """Return how many lights each point is connected to.
 
-    One, but where walks lead there: they are dear, so that the next connection costs little beside them, and with one
-    per emitter it is no matter of luck which emitter is tried.
+    With one per emitter it is no matter of luck which emitter is tried. One alone where diffusion models jump: their
+    noise is that of the jumps.
     """
-    return max(1, min(len(scene.emitters()), _MOST_CONNECTIONS)) if WALK in media.models else 1
+    many = WALK in media.models or TRANSPORT in media.models
+    return max(1, min(len(scene.emitters()), _MOST_CONNECTIONS)) if many else 1
 
 
 def toward(

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nephrite.bssrdf import lobe
-from nephrite.physics.single import deep_share
+from nephrite.physics.single import deep_share, single_scattering_share
 from nephrite.plugins.layout import at_nodes
 from nephrite.plugins.media import identity
 from nephrite.transport.nearby import Nearby
@@ -38,6 +38,7 @@ class Lookup:
         self._deep = mi.Float(
             np.concatenate([deep_share(_COSINES, entry.g, entry.eta) for entry, _ in members])
         )
+        self._kept = mi.Float([1.0 - single_scattering_share(entry.g, entry.eta) for entry, _ in members])
         self.attach([shape for _, shape in members])
 
     def own(self, number: int) -> slice:
@@ -76,3 +77,7 @@ class Lookup:
         first = mi.UInt32(spot)
         a, b = (dr.gather(mi.Float, self._deep, which * len(_COSINES) + first + i) for i in range(2))
         return dr.lerp(a, b, spot - first)
+
+    def kept(self, which: Any, cosine: Any) -> Any:
+        """Light at this angle, once it has entered, that a half-space keeps after one event, per albedo."""
+        return dr.gather(mi.Float, self._kept, which) * self.depth(which, cosine)

@@ -183,15 +183,17 @@ class Media:
         model = dr.gather(mi.UInt32, self._model, number)
         return (model == LOW) | (model == TRANSPORT)
 
-    def transported(self, s: Any, number: Any, si: Any, normal: Any, direction: Any, active: Any) -> Any:
+    def transported(
+        self, s: Any, number: Any, si: Any, normal: Any, direction: Any, active: Any
+    ) -> tuple[Any, Any]:  # fmt: skip
         """Return what light brings that enters at `si` and scatters twice, where it is precomputed; 0 elsewhere.
 
-        `normal`: outward; `direction`: where the path came from.
+        And the share that a half-space would keep after one event. `normal`: outward; `direction`: where the path
+        came from.
         """
-        if self.transport is None or not s.multiple:
-            return mi.Spectrum(0.0)
-        active = active & (dr.gather(mi.UInt32, self._model, number) == TRANSPORT)
-        return dr.select(active, self.transport.radiance(si, normal, direction, active), 0)
+        active = active & s.multiple & (dr.gather(mi.UInt32, self._model, number) == TRANSPORT)
+        brought, kept = self.transport.radiance(si, normal, direction, active)
+        return dr.select(active, brought, 0), kept
 
     @staticmethod
     def of(scene: Any) -> Media:

@@ -15,7 +15,7 @@ import mitsuba as mi
 
 from nephrite.bssrdf import lobe
 from nephrite.physics import phase
-from nephrite.plugins import channels, glints, interface, jump
+from nephrite.plugins import channels, glints, interface, jump, twin
 from nephrite.plugins.exits import connection_count, found_by, leave, light_density, toward, unblocked
 from nephrite.plugins.media import Media
 from nephrite.plugins.settings import Settings
@@ -125,10 +125,15 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             L[active & inside & s.wants(order)] += here * scale
 
         along = dr.exp(-sigma_t * distance)
+        u = sampler.next_2d(active)
+        turned = mi.Frame3f(ray.d).to_world(mi.Vector3f(*phase.sample(u.x, u.y, g)))
         if dr.hint(media.transport is not None, mode="scalar"):
-            # precomputed objects: what would scatter a second time on this way, in expectation
+            # precomputed objects: what would scatter a second time on this way, in expectation, less the twin's
             second = (1 - along) * sigma_s / dr.maximum(sigma_t, 1e-30)
             L[active & inside & (events == 1)] += β / dr.sum(ratio) * second * deep
+            L[active & inside & (steps == 0)] -= deep * twin.second(
+                β, ratio, channel, sigma_t, sigma_s, media.lookup(media.eta, within), entry_n, ray.d, free, turned,
+            )  # fmt: skip
         density = dr.select(through, 1, along * dr.select(scatters, sigma_t, 1))
         of_leader = dr.maximum(channels.pick(density, channel), 1e-30)
         stays = inside & ~escapes
@@ -140,8 +145,6 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
         # --- Event: a new direction by the phase function -----------------------------------------------------------
         events[scatters] += 1
         order[scatters] += 1
-        u = sampler.next_2d(active)
-        turned = mi.Frame3f(ray.d).to_world(mi.Vector3f(*phase.sample(u.x, u.y, g)))
         ray.o[scatters] = ray(distance)
         ray.d[scatters] = turned
         weight = β / dr.sum(ratio)
@@ -340,10 +343,12 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                         emitted = media.emitted(within, si, enters | bounced)
                     entered = dr.max(β)
                     started += entered
+                    if dr.hint(media.transport is not None, mode="scalar"):
+                        deep, kept = media.transported(s, within, si, outward, -ray.d, enters)
+                        L += β * deep * twin.expected(sigma_t, sigma_s, kept)
                     channel, β, ratio = channels.lead(β, sigma_t, sampler.next_1d())
                     events, steps, travelled = mi.UInt32(0), mi.UInt32(0), mi.Float(0)
                     entry_p, entry_n = si.p, outward
-                    deep = media.transported(s, within, si, outward, -ray.d, enters)
                     if dr.hint(media.directional is not None, mode="scalar"):
                         entry_w = -ray.d
                     reach = media.lookup(media.reach, within)
@@ -376,7 +381,8 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             dr.select((depth > s.rr_depth) & (within == 0), dr.minimum(worth, 0.95), 1),
         )
         # lights have been connected to by all of what came through: from here on as many go on as would have come
-        survival = dr.select(through, dr.minimum(survival, dr.max(along)), dr.minimum(survival, 1))
+        left = through & (within == 0)
+        survival = dr.select(left, dr.minimum(survival, dr.max(along)), dr.minimum(survival, 1))
         dead |= spent | ~(worth > 0) | (sampler.next_1d(active) >= survival)
         β /= survival
         dead &= active

@@ -23,10 +23,11 @@ from nephrite.plugins import gathered, walked
 from nephrite.plugins.layout import at_nodes, free_paths, lay
 from nephrite.plugins.lookup import Lookup
 from nephrite.plugins.settings import NO_LIMIT
-from nephrite.transport.pyramid import Pyramid, Walks, joined
+from nephrite.transport.counted import Walks, joined
+from nephrite.transport.pyramid import Pyramid
 
-CONNECTIONS, PATHS = 128, 16  # per node
-ROUNDS = 4  # of light between translucent surfaces
+CONNECTIONS, PATHS = 128, 8  # per node
+ROUNDS = 3  # of light between surfaces, after that of the lamps
 _LEAST_SECOND = 0.1  # of what scatters twice in the mean of all nodes: below, noise would be divided by it
 _AT_ONCE = 1 << 20  # walks
 
@@ -95,15 +96,13 @@ class Transport:
         s = copy.copy(settings)
         s.hide_emitters = s.reduced = s.single = s.multiple = True
         s.max_depth = s.max_depth if s.max_depth == NO_LIMIT else s.max_depth - 1
-        self._values = dr.zeros(mi.Float, dr.width(self._values))
         connected = gathered.direct(scene, self.lookup.at, self.lookup.sensitivity, CONNECTIONS)
-        seen = np.zeros((len(self.lookup.points), 4, 1))
-        before = last = np.zeros(())
+        seen, before, last = self._carry(connected), np.zeros(()), np.zeros(())
         for _ in range(ROUNDS):
+            self._put(seen)
             found = gathered.indirect(s, scene, media, self.lookup.at, self.lookup.sensitivity, PATHS)
             now = self._carry([a + b for a, b in zip(connected, found, strict=True)])
             before, last, seen = last, now - seen, now
-            self._put(seen)
         # the same random numbers in each round make it a geometric series, nearly: here is the rest of it
         ratio = np.abs(last).mean(axis=(0, 1)) / np.maximum(np.abs(before).mean(axis=(0, 1)), 1e-30)
         ratio = np.minimum(ratio, 0.5)
@@ -121,12 +120,16 @@ class Transport:
         three = np.broadcast_to(values, (*values.shape[:2], 3))  # a monochromatic variant has one channel
         self._values = mi.Float(three.astype(np.float32).ravel())
 
-    def radiance(self, si: Any, normal: Any, direction: Any, active: Any) -> Any:
-        """Return V / P at entries `si`, with outward `normal`, of paths that came from `direction`."""
+    def radiance(self, si: Any, normal: Any, direction: Any, active: Any) -> tuple[Any, Any]:
+        """Return V / P at entries `si`, with outward `normal`, of paths that came from `direction`.
+
+        And what a half-space keeps of their light after one event, per albedo.
+        """
         which = self.lookup.number(si.shape, active)
         mean, *moments = self.lookup.nearby.mean(which, si.p, normal, self._values, active)
         tangential = direction - normal * dr.dot(direction, normal)
         for moment, component in zip(moments, tangential, strict=True):
             mean += component * moment
         mean = dr.maximum(mean, 0)
-        return mi.Spectrum(mean.x) if mi.is_monochromatic else mi.Spectrum(mean)
+        brought = mi.Spectrum(mean.x) if mi.is_monochromatic else mi.Spectrum(mean)
+        return brought, self.lookup.kept(which, dr.dot(direction, normal))

@@ -9,7 +9,8 @@ between wider cells.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import os
+from concurrent.futures import ThreadPoolExecutor
 from functools import reduce
 from itertools import pairwise
 from typing import Any
@@ -18,8 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from nephrite.transport.counted import Cells, Walks, kernels, levels
 from nephrite.transport.frames import frames, turned, turning
-from nephrite.transport.nodes import REACH, interpolation, smoothing, spread
+from nephrite.transport.nodes import REACH, interpolation, smoothing, spread, strongest
 
 MEANS = ((0, 1, 2), (3,), (4,), (5,))
 """Levels of distance whose walks are counted between the cells of each grid: the nodes, cells of 2, 4, 8 spacings."""
@@ -30,43 +32,9 @@ MOMENTS = ((), (), (0, 1, 2), (3, 4, 5))
 FEW = 10_000
 
 GRIDS = len(MEANS)
-LEVELS = 6  # of distances; each is twice the one before
 AROUND = 2  # grids coarser: how far off neighbours are that should get as much in even light
 EVENED = GRIDS - AROUND
 COARSE = GRIDS - 1  # grid for light that has been scattered by several surfaces
-
-
-@dataclass
-class Walks:
-    """Walks between nodes.
-
-    `start`, `end`: nodes; `length`: distance between the ends; `weight`, [channels, walks]: share of the light; `back`,
-    `out`, [3, walks]: tangential directions outside at the start and at the end, times the memory of direction that is
-    left.
-    """
-
-    start: NDArray
-    end: NDArray
-    length: NDArray
-    weight: NDArray
-    back: NDArray
-    out: NDArray
-
-    def chosen(self, which: NDArray) -> Walks:
-        """Return some of them."""
-        return Walks(*(values[..., which] for values in vars(self).values()))
-
-
-def joined(parts: list[Walks]) -> Walks:
-    """Return the walks of all parts."""
-    columns = zip(*(vars(part).values() for part in parts), strict=True)
-    return Walks(*(np.concatenate(column, axis=-1) for column in columns))
-
-
-def levels(lengths: NDArray, free: float) -> NDArray:
-    """Return the level of each length; `free`: the least mean free path."""
-    level = np.ceil(np.log2(np.maximum(lengths, 1e-30) / (2.0 * free)))
-    return np.clip(level, 0, LEVELS - 1).astype(int)
 
 
 class Pyramid:
@@ -117,32 +85,41 @@ class Pyramid:
         Nodes are at `points`, with `normals`, and keep the distance `spacing`; `free`: the least mean free path.
         """
         level = levels(walks.length, free)
-        ups, facing, means, moments = [], [normals], [], []
-        remembered = (*MOMENTS[1:], ()) if len(points) < FEW else MOMENTS
-        p, n, cell, mass = points, normals, np.arange(len(points)), np.ones(len(points))
+        ups, facing, cells, nearest = [], [normals], [], np.arange(len(points))
+        p, n, mass = points, normals, np.ones(len(points))
         for grid in range(GRIDS):
             if grid:
                 width = 2**grid * spacing
                 centres = spread(p, n, width)
                 up = interpolation(p, n, p[centres], n[centres], REACH * width)
-                p, n, cell = p[centres], n[centres], np.asarray(up.argmax(axis=1)).ravel()[cell]
+                p, n, nearest = p[centres], n[centres], strongest(up)[nearest]
                 mass = up.T @ mass
                 ups.append(up)
                 facing.append(n)
-            cells = np.bincount(cell, minlength=len(p)), mass
-            turns = turned(n[cell], normals).astype(np.float32)
-            for kernels, counted, directed in (
-                (means, MEANS[grid], False),
-                (moments, remembered[grid], True),
-            ):
-                chosen = np.flatnonzero(np.isin(level, counted))
-                own, far = walks.chosen(chosen), level[chosen] > 0
+            cells.append(Cells(nearest, np.bincount(nearest, minlength=len(p)), mass))
+
+        def counted(grid: int, chosen_levels: tuple[int, ...], directed: bool) -> list[Any] | None:
+            if not chosen_levels:
+                return None
+            chosen = np.flatnonzero(np.isin(level, chosen_levels))
+            own, far = walks.chosen(chosen), level[chosen] > 0
+            ends = [own.back[:0], own.out[:0]]
+            if directed:
+                turns = turned(facing[grid][cells[grid].nearest], normals).astype(np.float32)
                 ends = [
-                    np.einsum("nkj,jn->kn", turns[node], direction) if directed else direction[:0]
+                    np.einsum("nkj,jn->kn", turns[node], direction)
                     for node, direction in ((own.start, own.back), (own.end, own.out))
                 ]
-                kernels.append(_kernels(own, far, cell, cells, each, *ends) if counted else None)
-        return cls(ups, facing, means, moments, smoothing(points, normals, spacing))
+            return kernels(own, far, cells[grid], each, *ends)
+
+        remembered = (*MOMENTS[1:], ()) if len(points) < FEW else MOMENTS
+        with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+            smooth = pool.submit(smoothing, points, normals, spacing)
+            means = [pool.submit(counted, grid, MEANS[grid], False) for grid in range(GRIDS)]
+            moments = [pool.submit(counted, grid, remembered[grid], True) for grid in range(GRIDS)]
+        return cls(
+            ups, facing, [one.result() for one in means], [one.result() for one in moments], smooth.result()
+        )
 
     def apply(self, arriving: NDArray) -> NDArray:
         """Return what is seen at the nodes, [nodes, 4, channels], of what arrives there.
@@ -209,46 +186,3 @@ class Pyramid:
 def averaging(up: Any) -> Any:
     """Return the matrix that averages nodes over cells, for one that interpolates between the cells."""
     return sparse.diags(1.0 / np.maximum(np.asarray(up.sum(axis=0)).ravel(), 1e-12)) @ up.T
-
-
-def _kernels(
-    walks: Walks, far: NDArray, cell: NDArray, cells: tuple[NDArray, NDArray], each: int,
-    back: NDArray, out: NDArray,
-) -> list[Any]:  # fmt: skip
-    """Return the kernels between cells, one a channel: per node here, and per sum over the nodes there.
-
-    Walks to places nearby are counted at their start; those that are `far` at both ends, as they are reciprocal.
-    `cell`: of each node; `cells`: numbers of nodes, and sums over what they take of each node; `back`, `out`:
-    directions at both ends, [components, walks].
-    """
-    nodes, mass = (np.maximum(values, 1e-12) for values in cells)
-    count, parts, returned = len(nodes), 1 + len(back), np.flatnonzero(far)
-    start, end = cell[walks.start], cell[walks.end]
-    place = np.concatenate([start, end[returned]]) * count + np.concatenate([end, start[returned]])
-    order = np.argsort(place)
-    place = place[order]
-    first = np.flatnonzero(np.diff(place, prepend=-1))
-    row, column = np.divmod(place[first], count)
-    scale = (1.0 / (each * nodes[row] * mass[column])).astype(np.float32)
-    weight = np.where(far, np.float32(0.5), np.float32(1.0)) * walks.weight
-
-    def sorted_(there: NDArray, here: NDArray) -> NDArray:
-        return np.concatenate([there, here[returned]])[order]
-
-    left = [sorted_(*both) for both in zip(back, out, strict=True)]
-    right = [sorted_(*both) for both in zip(out, back, strict=True)]
-    starts = np.searchsorted(row, np.arange(count + 1)).astype(np.int32)
-    kernels = []
-    for share in weight:
-        values = np.zeros((len(first), parts, parts), np.float32)
-        share = sorted_(share, share)
-        for i in range(parts):
-            seen = share * left[i - 1] if i else share
-            for j in range(parts):
-                if parts == 1 or i + j > 0:
-                    brought = seen * right[j - 1] if j else seen
-                    values[:, i, j] = np.add.reduceat(brought, first) * scale if len(first) else 0
-        size = parts * count
-        blocks = sparse.bsr_matrix((values, column.astype(np.int32), starts), shape=(size, size))
-        kernels.append(blocks.tocsr())
-    return kernels
