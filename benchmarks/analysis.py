@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter
 
 from nephrite.atlas.compared import Difference, Estimate, difference
 from nephrite.image import errors
@@ -18,6 +20,7 @@ GOAL = 0.01
 """The relMSE that methods race to."""
 
 _EPSILON = 1e-2
+_AROUND = 5  # pixels
 _SURE = 3.0  # standard errors: fireflies make them uncertain
 
 
@@ -28,15 +31,25 @@ class Truth:
     estimate: Estimate
     mask: NDArray[np.bool_]
 
+    @cached_property
+    def scale(self) -> NDArray:
+        """What relMSE divides by at each of the object's pixels: the square of the mean over those around, + epsilon.
+
+        The pixel's own square would be small where noise makes it dark, and the more so the noisier the reference is.
+        """
+        inside = self.mask[..., None].astype(np.float64)
+        size = (_AROUND, _AROUND, 1)
+        near, count = (uniform_filter(x, size) for x in (self.estimate.mean * inside, inside))
+        return ((near / np.maximum(count, 1e-12)) ** 2 + _EPSILON)[self.mask]
+
     @property
     def noise(self) -> float:
         """What the reference's own noise adds to every relMSE."""
-        mean, error = (x[self.mask] for x in (self.estimate.mean, self.estimate.error))
-        return float(np.mean(error**2 / (mean**2 + _EPSILON)))
+        return float(np.mean(self.estimate.error[self.mask] ** 2 / self.scale))
 
 
-def level(a: NDArray, b: NDArray, seconds: float, truth: Truth) -> dict[str, float]:
-    """Return what a pair of pictures of `seconds` each says.
+def level(a: NDArray, b: NDArray, spp: int, seconds: float, truth: Truth) -> dict[str, float]:
+    """Return what a pair of pictures of `spp` samples and `seconds` each says.
 
     `relmse`: against the truth, whose own noise is taken out; `noise`: the part of it that is variance, from the
     difference of the two. `floor`: the part that is bias, from the product of their errors, which are independent but
@@ -44,13 +57,14 @@ def level(a: NDArray, b: NDArray, seconds: float, truth: Truth) -> dict[str, flo
     `errors.efficiency`.
     """
     reference = truth.estimate.mean[truth.mask]
-    scale = reference**2 + _EPSILON
+    scale = truth.scale
     first, second = (np.asarray(picture, np.float64)[truth.mask] - reference for picture in (a, b))
     # both hold the reference's error: its square is taken out
     common = (first * second - truth.estimate.error[truth.mask] ** 2) / scale
     floor, uncertain = float(common.mean()), float(common.std()) / math.sqrt(common.size)
-    both = [errors.relmse(picture, truth.estimate.mean, truth.mask, _EPSILON) for picture in (a, b)]
+    both = [float(np.mean(error**2 / scale)) for error in (first, second)]
     return {
+        "spp": spp,
         "seconds": seconds,
         "relmse": max(sum(both) / 2 - truth.noise, 1e-9),
         "noise": float(np.mean((first - second) ** 2 / (2 * scale))),
@@ -63,12 +77,21 @@ def level(a: NDArray, b: NDArray, seconds: float, truth: Truth) -> dict[str, flo
 class TimeToGoal:
     """`seconds` until relMSE is `GOAL`: infinite if bias alone is above it.
 
-    `how`: "=" where the curve crosses it, "~" beyond the curve's end, where noise is taken to fall as 1 / time, "<"
+    `how`: "=" where the curve crosses it, "~" beyond the curve's end, where noise is taken to fall as 1 / samples, "<"
     where its first point is already below.
     """
 
     seconds: float
     how: str
+
+
+def before_samples(curve: Sequence[dict[str, float]]) -> float:
+    """Return the seconds that a picture takes before its first sample: see its time grow with the samples."""
+    first, last = curve[0], curve[-1]
+    if len(curve) == 1:
+        return 0.0
+    sample = (last["seconds"] - first["seconds"]) / (last["spp"] - first["spp"])
+    return max(first["seconds"] - sample * first["spp"], 0.0)
 
 
 def time_to_goal(curve: Sequence[dict[str, float]], goal: float = GOAL) -> TimeToGoal:
@@ -77,13 +100,23 @@ def time_to_goal(curve: Sequence[dict[str, float]], goal: float = GOAL) -> TimeT
     if first["relmse"] <= goal:
         return TimeToGoal(first["seconds"], "<")
     for before, after in pairwise(curve):
-        if after["relmse"] <= goal:
-            share = math.log(before["relmse"] / goal) / math.log(before["relmse"] / after["relmse"])
-            ratio = after["seconds"] / before["seconds"]
-            return TimeToGoal(before["seconds"] * ratio**share, "=")
+        if after["relmse"] <= goal:  # between the two, 1 / relmse grows with the samples
+            a, b, at = (1.0 / relmse for relmse in (before["relmse"], after["relmse"], goal))
+            share = (at - a) / (b - a)
+            return TimeToGoal(before["seconds"] + share * (after["seconds"] - before["seconds"]), "=")
     if last["floor"] >= goal:
         return TimeToGoal(math.inf, "~")
-    return TimeToGoal(last["seconds"] * last["noise"] / (goal - last["floor"]), "~")
+    return TimeToGoal(_of_noise(curve, goal - last["floor"]), "~")
+
+
+def time_of_noise(curve: Sequence[dict[str, float]], goal: float = GOAL) -> float:
+    """Return the time at which noise alone is at `goal`; of a single level that is below, its own time."""
+    return curve[0]["seconds"] if len(curve) == 1 and curve[0]["noise"] <= goal else _of_noise(curve, goal)
+
+
+def _of_noise(curve: Sequence[dict[str, float]], goal: float) -> float:
+    fixed, last = before_samples(curve), curve[-1]
+    return fixed + (last["seconds"] - fixed) * last["noise"] / goal
 
 
 def mean_of(rounds: Sequence[tuple[NDArray, NDArray]]) -> Estimate:
@@ -138,7 +171,7 @@ def summary(runs: Sequence[dict[str, Any]]) -> dict[str, Any]:
         "curve": mean_curve,
         "efficiency": [curve[-1]["efficiency"] for curve in curves],
         "goal": [goal.seconds for goal in goals],
-        "quiet": [curve[-1]["seconds"] * curve[-1]["noise"] / GOAL for curve in curves],
+        "quiet": [time_of_noise(curve) for curve in curves],
         "how": goals[0].how if len({goal.how for goal in goals}) == 1 else "~",
         "rate": [run["samples"] / run["curve"][-1]["seconds"] for run in runs],
         "peak": max(run["peak"] for run in runs),

@@ -146,7 +146,7 @@ class Bench:
             return None
         levels = told["levels"]
         curve = [
-            analysis.level(pictures[f"a{i}"], pictures[f"b{i}"], level["seconds"], truth)
+            analysis.level(pictures[f"a{i}"], pictures[f"b{i}"], level["spp"], level["seconds"], truth)
             for i, level in enumerate(levels)
         ]
         width, height = self.resolution

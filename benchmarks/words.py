@@ -3,25 +3,26 @@
 from __future__ import annotations
 
 RULES = """
-Each method runs in a process of its own, one after the other, in {rounds} rounds: every method once, then every
-method again (LuxCore, which takes minutes, in the first alone). It loads the scene and warms up with one sample per
-pixel; then it renders pairs of pictures of 1, 2, 4, ... samples until {each:g} s are spent. A method that precomputes
-much for each picture begins with as many samples as that time allows, at least as long as it has precomputed.
-*Seconds* are those of the whole call that makes a picture: tables and precomputation for it are included, loading the
-scene is not. Cycles prepares the scene in that call, and writes a file: what a call with one sample takes is taken
-off.
+Each method runs in a process of its own, one after the other, in {rounds} rounds: every method once, then every method
+again (LuxCore, which takes minutes, in the first alone). It loads the scene and warms up with one sample per pixel;
+then it renders pairs of pictures of 1, 2, 4, ... samples until {each:g} s are spent. A method that precomputes much for
+each picture renders two pairs alone: with few samples, and with as many as that time allows, at least as long as it has
+precomputed. *Seconds* are those of the whole call that makes a picture: tables and precomputation for it are included,
+loading the scene is not. Cycles prepares the scene in that call, and writes a file: what a call with one sample takes
+is taken off.
 """
 
 MEASURES = """
 The *reference* is Nephrite's walk with exact exits, which tests compare with `volpathmis`. *relMSE* is the mean of
-(picture - reference)² / (reference² + 0.01) over the object's pixels, less the reference's own variance. *Seconds to
-1 %*: until it falls to 0.01, noise and bias together: read off the curve; with ~ extrapolated beyond its end, where
-noise falls as 1 / time; with < the curve's first point; - where bias alone is more. *Noise alone*: the same if there
-were no bias. *Efficiency* is mean² / (variance x seconds): twice as much is half the time to the same noise. *Bias*
-and *worst block* (of 16 x 16 pixels) are relative errors of all pictures together; what is smaller than twice its
-standard error is given as < limit. *Around* is the bias of all other pixels: floor, sky and shadows. Ratios are to
-`{base}`, round by round: geometric mean, and in brackets the least and the largest of the rounds; above 1 is better.
-*Memory* is the largest resident size of the process.
+(picture - reference)² / (mean² + 0.01) over the object's pixels, less the reference's own variance; the mean is the
+reference's over 5 x 5 pixels, as its own noise would count more where it is dark by chance. *Seconds to 1 %*: until it
+falls to 0.01, noise and bias together: read off the curve; with ~ extrapolated beyond its end, where noise falls as 1 /
+samples and what is precomputed is paid once; with < the curve's first point; - where bias alone is more. *Noise alone*:
+the same if there were no bias. *Efficiency*, of the last pair, is mean² / (variance x seconds): twice as much is half
+the time to the same noise. *Bias* and *worst block* (of 16 x 16 pixels) are relative errors of all pictures together;
+what is smaller than twice its standard error is given as < limit. *Around* is the bias of all other pixels: floor, sky
+and shadows. Ratios are to `{base}`, round by round: geometric mean, and in brackets the least and the largest of the
+rounds; above 1 is better. *Memory* is the largest resident size of the process.
 """
 
 FASTER = """

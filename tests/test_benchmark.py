@@ -36,14 +36,15 @@ def noisy(deviation: float, seed: int, bias: float = 0.0) -> np.ndarray:
 
 def curve(seconds: list[float], bias: float, variance: float) -> list[dict[str, float]]:
     return [
-        {"seconds": t, "relmse": bias + variance / t, "noise": variance / t, "floor": bias} for t in seconds
+        {"spp": t, "seconds": t, "relmse": bias + variance / t, "noise": variance / t, "floor": bias}
+        for t in seconds
     ]
 
 
 def test_time_is_read_off_the_curve() -> None:
     reached = analysis.time_to_goal(curve([1, 2, 4, 8], 0.0, 0.03), 0.01)
     assert reached.how == "="
-    assert reached.seconds == pytest.approx(3.0, rel=1e-9)  # a straight line on logarithmic axes
+    assert reached.seconds == pytest.approx(3.0, rel=1e-9)
 
 
 def test_time_beyond_the_curve_follows_noise_and_bias() -> None:
@@ -60,6 +61,31 @@ def test_a_first_point_below_the_goal_is_a_limit() -> None:
     assert analysis.time_to_goal(curve([1, 2], 0.0, 0.005), 0.01) == analysis.TimeToGoal(1, "<")
 
 
+def test_what_is_precomputed_is_paid_before_the_first_sample() -> None:
+    """5 s, and .1 s a sample, of which 30 are enough: 8 s, whichever side of the levels that is on."""
+    for samples in ([8, 16], [16, 64], [64, 256]):
+        dear = [
+            {"spp": n, "seconds": 5 + 0.1 * n, "relmse": 0.3 / n, "noise": 0.3 / n, "floor": 0.0}
+            for n in samples
+        ]
+        assert analysis.time_of_noise(dear, 0.01) == pytest.approx(8.0)
+        if samples[0] < 30:
+            assert analysis.time_to_goal(dear, 0.01).seconds == pytest.approx(8.0)
+    assert analysis.time_of_noise(dear[1:], 0.01) == pytest.approx(
+        30.6
+    )  # one level alone: not below its own time
+
+
+def test_noise_of_the_truth_is_no_bias() -> None:
+    """A truth with 50 % of noise, and a picture without any: the floor is 0 within five standard errors.
+
+    Divided by each pixel's own square, it would be .7: what is dark by chance counts more.
+    """
+    rough = analysis.Truth(Estimate(noisy(0.25, 5), np.full(SHAPE, 0.25)), np.ones(SHAPE[:2], bool))
+    found = analysis.level(noisy(0.01, 1), noisy(0.01, 2), 1, 1.0, rough)
+    assert found["relmse"] == pytest.approx(0.0, abs=5 * 0.25**2 / 0.26 * math.sqrt(2 / 12288) + 0.004)
+
+
 def test_relmse_leaves_the_noise_of_the_truth_out() -> None:
     """Of 12,288 values: a mean square has a relative standard error of 1.3 %; five of them are one in a million."""
     clean = truth()
@@ -67,7 +93,7 @@ def test_relmse_leaves_the_noise_of_the_truth_out() -> None:
     a, b = noisy(0.1, 1), noisy(0.1, 2)
     expected = 0.1**2 / (0.5**2 + 0.01)
     for reference in (clean, blurred):
-        found = analysis.level(a, b, 2.0, reference)
+        found = analysis.level(a, b, 1, 2.0, reference)
         assert found["relmse"] == pytest.approx(expected, rel=0.07)
         assert found["noise"] == pytest.approx(expected, rel=0.07)
         assert found["floor"] == 0.0
@@ -76,7 +102,7 @@ def test_relmse_leaves_the_noise_of_the_truth_out() -> None:
 
 def test_bias_is_told_from_noise() -> None:
     """The product's standard error is 0.01^2 / 0.26 / sqrt(12288) = 3.5e-6, and that of 2 x 0.05 x 0.01 alike."""
-    found = analysis.level(noisy(0.01, 1, 0.1), noisy(0.01, 2, 0.1), 1.0, truth())
+    found = analysis.level(noisy(0.01, 1, 0.1), noisy(0.01, 2, 0.1), 1, 1.0, truth())
     assert found["floor"] == pytest.approx(0.05**2 / 0.26, rel=0.02)
 
 
@@ -135,13 +161,13 @@ def test_climbing_ends_in_time_and_repeats_no_seed() -> None:
 
 
 @pytest.mark.parametrize(
-    ("setup", "expected"), [(11.0, [128]), (100.0, [512]), (0.5, [1, 2, 4, 8, 16, 32, 64])]
+    ("setup", "expected"), [(5.0, [8, 128]), (100.0, [128, 512]), (0.5, [1, 2, 4, 8, 16, 32, 64])]
 )
 def test_a_dear_precomputation_is_paid_for_once_a_picture_and_counted(
     setup: float, expected: list[int]
 ) -> None:
-    """It leaves 19 s of 30 a picture for samples of .125 s: 152; 100 s are more than 30, and as much is left
-    for samples; .5 s are not dear."""
+    """A quarter of 5 s, and what is left of half a minute, for samples of .125 s: 10 and 152; 100 s are more than
+    that, and as much is left for samples; .5 s are not dear."""
     clock = Clock(setup, 0.125)
     levels, pictures = measure.climb(measure.Renderer(clock.render, "clock"), 100, 60.0, lambda: clock.now)
     assert [level["spp"] for level in levels] == expected
@@ -152,7 +178,7 @@ def test_a_dear_precomputation_is_paid_for_once_a_picture_and_counted(
 
 
 def test_noise_in_a_dear_precomputation_is_not_taken_for_cheap_samples() -> None:
-    """30 s a picture, less the 5 of precomputation, at .03 s a sample: 833; calls differ by up to a second."""
+    """Of 30 s, less twice the 5 of precomputation and 1, 19 s at .03 s a sample: 630; calls differ by 1 s at most."""
     clock = Clock(5.0, 0.03)
 
     def render(spp: int, seed: int) -> np.ndarray:
@@ -160,7 +186,7 @@ def test_noise_in_a_dear_precomputation_is_not_taken_for_cheap_samples() -> None
         return clock.render(spp, seed)
 
     levels, _ = measure.climb(measure.Renderer(render, "clock"), 100, 60.0, lambda: clock.now)
-    assert [level["spp"] for level in levels] == [512]
+    assert [level["spp"] for level in levels] == [32, 512]
 
 
 @pytest.mark.parametrize("sample", [4.0, 40.0])

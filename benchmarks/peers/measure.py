@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 _MOST_SAMPLES = 1 << 16
 _DEAR = 1 / 32  # share of the time: calls with one sample that take longer are looked into
 _PROBE = 4  # samples of the first call that is to tell what a sample costs
+_FEW = 0.25  # of what goes before them: the time of the fewer samples that such renderers begin with
 _TELLING = 0.25  # of a call with one sample: what more of them must take beyond it
 
 
@@ -60,7 +61,8 @@ def climb(
 ) -> tuple[list[dict[str, Any]], dict[str, NDArray[np.float32]]]:
     """Render pairs of pictures with 1, 2, 4, ... samples a pixel until `seconds` would be exceeded.
 
-    A renderer that precomputes much at every call begins with as many samples as `seconds` allow.
+    A renderer that precomputes much at every call gets two levels, so that its precomputation is told from its
+    samples: few, and as many as `seconds` allow.
 
     Returns:
         For each level `spp` and the `seconds` of one picture; and the pictures, `a0`, `b0`, `a1`, ..., two a level.
@@ -75,37 +77,38 @@ def climb(
         return np.asarray(picture, np.float32), clock() - before
 
     timed(1)  # compiles, and loads what is loaded lazily
-    spp, once = 1, 0.0
-    start = clock()
+    spp, once, planned = 1, 0.0, []
     if renderer.startup:
+        start = clock()
         spp, once = 2, min(timed(1)[1] for _ in range(2))
     else:
-        spp = _first_level(timed, seconds)
+        planned = _dear_levels(timed, seconds)
         start = clock()  # what it took to plan is not taken from the pictures
     levels: list[dict[str, Any]] = []
     pictures: dict[str, NDArray[np.float32]] = {}
     while spp <= _MOST_SAMPLES:
+        spp = planned[len(levels)] if planned else spp
         (a, first), (b, second) = timed(spp), timed(spp)
         call = (first + second) / 2
         # a call with one sample has rendered one: n - 1 are left in the difference
         each = max(call - once, 1e-3) * spp / (spp - 1) if renderer.startup else call
         pictures |= {f"a{len(levels)}": a, f"b{len(levels)}": b}
         levels.append({"spp": spp, "seconds": each, "call": call})
-        if clock() - start + 4 * call > seconds:
+        if len(levels) == len(planned) if planned else clock() - start + 4 * call > seconds:
             break
         spp *= 2
     return levels, pictures
 
 
-def _first_level(timed: Callable[[int], tuple[Any, float]], seconds: float) -> int:
-    """Return the samples to begin with: 1, or as many as two calls in `seconds` have time for.
+def _dear_levels(timed: Callable[[int], tuple[Any, float]], seconds: float) -> list[int]:
+    """Return the two numbers of samples of a renderer whose calls cost much before their first sample; else none.
 
-    The latter where a call costs much before its first sample: doubling from 1 would spend `seconds` on that. Samples
-    get as much time as what goes before them at least, even where that is more than half of `seconds`.
+    Few: they take a quarter of what goes before them. Many: two such calls have time in what two of the others leave
+    of `seconds`; they get as much time as what goes before them at least, even where there is less.
     """
     one = timed(1)[1]
     if one < _DEAR * seconds:
-        return 1
+        return []
     probe, more = _PROBE, timed(_PROBE)[1] - one
     while more < _TELLING * one and probe < _MOST_SAMPLES // 4:
         probe *= 4
@@ -113,10 +116,15 @@ def _first_level(timed: Callable[[int], tuple[Any, float]], seconds: float) -> i
     sample = max(more / (probe - 1), one / _MOST_SAMPLES)
     fixed = one - sample
     if fixed < one / 2:
-        return 1
-    affordable = max(seconds / 2 - fixed, fixed) / sample
-    affordable = min(max(int(affordable), 1), _MOST_SAMPLES)
-    return 1 << affordable.bit_length() - 1  # a power of two: the same in all rounds
+        return []
+    few = _power_of_two(_FEW * fixed / sample)
+    left = seconds / 2 - 2 * fixed - few * sample
+    return [few, max(_power_of_two(max(left, fixed) / sample), 2 * few)]
+
+
+def _power_of_two(samples: float) -> int:
+    """Return the power of two below, so that it is the same in all rounds."""
+    return 1 << min(max(int(samples), 1), _MOST_SAMPLES // 2).bit_length() - 1
 
 
 def peak_memory() -> int:

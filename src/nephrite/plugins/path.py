@@ -15,7 +15,7 @@ import mitsuba as mi
 
 from nephrite.bssrdf import lobe
 from nephrite.physics import phase
-from nephrite.plugins import channels, glints, interface, jump, twin
+from nephrite.plugins import camera, channels, glints, interface, jump, twin
 from nephrite.plugins.exits import connection_count, found_by, leave, light_density, toward, unblocked
 from nephrite.plugins.media import Media
 from nephrite.plugins.settings import Settings
@@ -86,7 +86,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
         # --- Start the next path of a lane --------------------------------------------------------------------------
         if dr.hint(repeats, mode="scalar"):
             if fresh:
-                ray, β, position = source.ray(sampler, fresh)
+                ray, β, position = source.ray(sampler, paths, fresh)
                 initial, ratio = dr.sum(β), channels.solo(β)
                 L, valid, depth, order = mi.Spectrum(0), mi.Bool(False), mi.UInt32(0), mi.UInt32(0)
                 last_delta, after_glint = mi.Bool(True), mi.Bool(False)
@@ -100,7 +100,8 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             searching = mi.Bool(search.active)
         inside = (within != 0) & ~searching
         leading = channels.pick(sigma_t, channel)
-        free = -dr.log(1 - sampler.next_1d(active)) / leading
+        begins = (depth == 0) & (steps == 0)
+        free = -dr.log(1 - source.even(camera.FREE_PATH, paths, sampler.next_1d(active), begins)) / leading
         # what would end at its next event goes through to the surface, for what of its light gets there
         through = inside & ~s.may_go_on(order + 1)
         if dr.hint(media.any_low, mode="scalar"):
@@ -125,8 +126,8 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             L[active & inside & s.wants(order)] += here * scale
 
         along = dr.exp(-sigma_t * distance)
-        u = sampler.next_2d(active)
-        turned = mi.Frame3f(ray.d).to_world(mi.Vector3f(*phase.sample(u.x, u.y, g)))
+        u = [source.even(camera.TURN + i, paths, sampler.next_1d(active), begins) for i in range(2)]
+        turned = mi.Frame3f(ray.d).to_world(mi.Vector3f(*phase.sample(*u, g)))
         if dr.hint(media.transport is not None, mode="scalar"):
             # precomputed objects: what would scatter a second time on this way, in expectation, less the twin's
             second = (1 - along) * sigma_s / dr.maximum(sigma_t, 1e-30)
@@ -214,7 +215,10 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             # The interface: reflect or refract
             x = interface.cross(si, ray.d, eta)
             outward = dr.select(leaving, -x.normal, x.normal)
-            reflects = crossing & (sampler.next_1d(crossing) < x.reflectance)
+            lot = source.even(
+                camera.INTERFACE, paths, sampler.next_1d(crossing), (depth == 0) & (within == 0)
+            )
+            reflects = crossing & (lot < x.reflectance)
             direction = dr.select(reflects, x.reflected, x.refracted)
             rough, rough_pdf, rough_delta = mi.Bool(False), mi.Float(0), mi.Bool(False)
             if dr.hint(media.any_rough, mode="scalar"):
