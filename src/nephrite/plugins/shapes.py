@@ -11,6 +11,8 @@ import numpy as np
 
 from nephrite.plugins.winding import Winding, outward, triangles
 
+_TELLING = 1 << 12  # points that tell which way the normals of a shape point
+
 
 def surface_points(shape: Any, u2: Any, u1: Any) -> Any:
     """Return interactions at points that are uniform over a shape's area, seen at sampled wavelengths."""
@@ -38,14 +40,22 @@ class Start:
 def start(scene: Any, winding: Winding, shape: Any, sampler: Any) -> Start:
     """Return as many points as the sampler has lanes."""
     si = surface_points(shape, sampler.next_2d(), sampler.next_1d())
-    n, own = mi.Vector3f(outward(scene, shape, si.p, mi.Vector3f(si.n))), si.n
     if winding.any_mixed:  # which face it is tells a ray from above
+        n = mi.Vector3f(outward(scene, shape, si.p, mi.Vector3f(si.n)))
         above = si.spawn_ray(n)
         above.d = -n
-        own = winding.outward(scene.ray_intersect(above))
-    side = 1.0 if float(dr.mean(dr.dot(n, own))[0]) > 0 else -1.0
+        side = _side(n, winding.outward(scene.ray_intersect(above)))
+    else:  # some points tell of all
+        some = dr.arange(mi.UInt32, min(_TELLING, dr.width(si.p)))
+        p, own = (dr.gather(type(values), values, some) for values in (si.p, si.n))
+        side = _side(outward(scene, shape, p, mi.Vector3f(own)), own)
+        n = side * mi.Vector3f(si.n)
     si.n, si.sh_frame = mi.Normal3f(n), mi.Frame3f(n)
     return Start(shape, si, side)
+
+
+def _side(n: Any, own: Any) -> float:
+    return 1.0 if float(dr.mean(dr.dot(n, own))[0]) > 0 else -1.0
 
 
 def mean_chord(shape: Any) -> float:

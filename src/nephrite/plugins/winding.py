@@ -72,17 +72,20 @@ def outward(scene: Any, shape: Any, p: Any, n: Any) -> Any:
 
 def triangles(mesh: Any) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Return the vertices, (N, 3), and faces, (M, 3), of one of Mitsuba's meshes."""
+    vertices, faces = _arrays(mesh)
+    return vertices.astype(np.float64).reshape(-1, 3), faces.astype(np.int64).reshape(-1, 3)
+
+
+def _arrays(mesh: Any) -> tuple[NDArray, NDArray]:
     values = mi.traverse(mesh)
     name = "vertex_positions" if "vertex_positions" in values else "positions"  # the latter from Mitsuba 3.10
-    vertices = np.array(values[name], dtype=np.float64).reshape(-1, 3)
-    return vertices, np.array(values["faces"], dtype=np.int64).reshape(-1, 3)
+    return np.array(values[name]), np.array(values["faces"])
 
 
 def _against_others(mesh: Any) -> NDArray[np.bool_]:
-    vertices, faces = triangles(mesh)
-    key = hashlib.sha256(vertices.tobytes() + faces.tobytes()).digest()
+    key = hashlib.sha256(b"".join(values.tobytes() for values in _arrays(mesh))).digest()
     if key not in _known:
         if len(_known) >= _KEPT:
             _known.clear()
-        _known[key] = against_others(vertices, faces)
+        _known[key] = against_others(*triangles(mesh))
     return _known[key]
