@@ -4,6 +4,7 @@ Statistical, with fixed seeds: each test fails a right program with probability 
 """
 
 import dataclasses
+import math
 
 import mitsuba as mi
 import numpy as np
@@ -136,3 +137,13 @@ def test_polarised_variants_are_refused():
     mi.set_variant("llvm_ad_spectral_polarized")
     with pytest.raises(RuntimeError, match=r"VariantError: .*polarisation"):
         mi.load_dict({"type": "translucent_path"})
+
+
+def test_a_body_within_another_has_luck_of_its_own():
+    """Half a mean free path, 1.5 in the inner body, and half again; with one number for both, e^-2 would be seen."""
+    scene = scenes.camera(4, fov=1.0) | {"sky": scenes.environment(1.0)}
+    for name, half, sigma_a in (("outer", 5.0, 0.2), ("inner", 2.5, 0.3)):
+        cube = {"type": "cube", "to_world": mi.ScalarTransform4f().scale(half)}
+        scene[name] = cube | scenes.translucent(sigma_a, 0.0, eta=1.0)
+    picture = measure.picture(scene, scenes.ours(), 4096)
+    assert picture.mean((0, 1)) == pytest.approx(math.exp(-2.5), rel=0.06)  # five standard errors

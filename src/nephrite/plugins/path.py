@@ -15,7 +15,7 @@ import mitsuba as mi
 
 from nephrite.bssrdf import lobe
 from nephrite.physics import phase
-from nephrite.plugins import camera, channels, glints, interface, jump, twin
+from nephrite.plugins import camera, channels, emission, glints, interface, jump, twin
 from nephrite.plugins.exits import connection_count, found_by, leave, light_density, toward, unblocked
 from nephrite.plugins.media import Media
 from nephrite.plugins.settings import Settings
@@ -61,6 +61,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
     last_pdf = mi.Float(0)                              # density of the direction chosen there,
     last_delta = mi.Bool(True)                          # and whether lights are found by that direction alone
     after_glint = mi.Bool(False)                        # Have lamps ahead been counted already?
+    outside_yet = mi.Bool(True)                         # Has it made no step in any medium?
 
     # --- The walk ---------------------------------------------------------------------------------------------------
     within, within_shape = mi.UInt32(0), mi.UInt32(0)   # Material and shape that the path is in; 0: none
@@ -89,7 +90,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                 ray, β, position = source.ray(sampler, paths, fresh)
                 initial, ratio = dr.sum(β), channels.solo(β)
                 L, valid, depth, order = mi.Spectrum(0), mi.Bool(False), mi.UInt32(0), mi.UInt32(0)
-                last_delta, after_glint = mi.Bool(True), mi.Bool(False)
+                last_delta, after_glint, outside_yet = mi.Bool(True), mi.Bool(False), mi.Bool(True)
                 within, within_shape = mi.UInt32(0), mi.UInt32(0)
                 outer, outer_shape = mi.UInt32(0), mi.UInt32(0)
                 paths += 1
@@ -100,7 +101,8 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             searching = mi.Bool(search.active)
         inside = (within != 0) & ~searching
         leading = channels.pick(sigma_t, channel)
-        begins = (depth == 0) & (steps == 0)
+        begins = inside & outside_yet & (depth == 0)
+        outside_yet &= ~inside
         free = -dr.log(1 - source.even(camera.FREE_PATH, paths, sampler.next_1d(active), begins)) / leading
         # what would end at its next event goes through to the surface, for what of its light gets there
         through = inside & ~s.may_go_on(order + 1)
@@ -117,13 +119,10 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
         distance = dr.minimum(dr.select(stops, hit.t, ray.maxt), 1e30)
 
         if dr.hint(media.any_emission, mode="scalar"):
-            # one point of the segment stands for its emission, of which 1 / eta^2 leaves per solid angle
-            part = sampler.next_1d(active) * dr.minimum(distance, 10 * longest)
-            to_point = dr.exp(-sigma_t * part)
-            chance = dr.sum(ratio * dr.select(through, 1, to_point))
-            here = β * to_point * emitted * dr.minimum(distance, 10 * longest) / dr.maximum(chance, 1e-30)
-            scale = dr.rcp(dr.square(media.lookup(media.eta, within)))
-            L[active & inside & s.wants(order)] += here * scale
+            length = dr.minimum(distance, 10 * longest)
+            L[active & inside & s.wants(order)] += emission.along(
+                length, sampler.next_1d(active), β, ratio, sigma_t, emitted, media.lookup(media.eta, within), through,
+            )  # fmt: skip
 
         along = dr.exp(-sigma_t * distance)
         u = [source.even(camera.TURN + i, paths, sampler.next_1d(active), begins) for i in range(2)]
@@ -215,9 +214,8 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             # The interface: reflect or refract
             x = interface.cross(si, ray.d, eta)
             outward = dr.select(leaving, -x.normal, x.normal)
-            lot = source.even(
-                camera.INTERFACE, paths, sampler.next_1d(crossing), (depth == 0) & (within == 0)
-            )
+            begins = outside_yet & (depth == 0)
+            lot = source.even(camera.INTERFACE, paths, sampler.next_1d(crossing), begins)
             reflects = crossing & (lot < x.reflectance)
             direction = dr.select(reflects, x.reflected, x.refracted)
             rough, rough_pdf, rough_delta = mi.Bool(False), mi.Float(0), mi.Bool(False)
