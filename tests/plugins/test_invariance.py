@@ -109,7 +109,7 @@ def test_variants_agree_and_switch_back_and_forth(model):
         if variant == "scalar_rgb":
             continue
         scene = _grey("luminance" if "mono" in variant else "rgb")
-        own = measure.passes(scene, scenes.ours(model=model), 64, 8, 100 * i)
+        own = measure.passes(scene, scenes.ours(model=model), 64, 32, 100 * i)
         assert np.isfinite(own.pictures).all(), variant
         grey = measure.Passes(own.pictures.mean(3, keepdims=True))
         found.setdefault(variant, []).append(grey)
