@@ -86,7 +86,7 @@ class TimeToGoal:
 
 
 def before_samples(curve: Sequence[dict[str, float]]) -> float:
-    """Return the seconds that a picture takes before its first sample: see its time grow with the samples."""
+    """Return the seconds that a picture takes before its first sample, by how its time grows with the samples."""
     first, last = curve[0], curve[-1]
     if len(curve) == 1:
         return 0.0

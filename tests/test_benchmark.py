@@ -71,19 +71,19 @@ def test_what_is_precomputed_is_paid_before_the_first_sample() -> None:
         assert analysis.time_of_noise(dear, 0.01) == pytest.approx(8.0)
         if samples[0] < 30:
             assert analysis.time_to_goal(dear, 0.01).seconds == pytest.approx(8.0)
-    assert analysis.time_of_noise(dear[1:], 0.01) == pytest.approx(
-        30.6
-    )  # one level alone: not below its own time
+    alone = dear[1:]  # 256 samples: nobody knows what fewer would take
+    assert analysis.time_of_noise(alone, 0.01) == pytest.approx(30.6)
 
 
 def test_noise_of_the_truth_is_no_bias() -> None:
-    """A truth with 50 % of noise, and a picture without any: the floor is 0 within five standard errors.
+    """A truth with 50 % of noise, and a picture without any: within five standard errors, .004 and no floor are left.
 
-    Divided by each pixel's own square, it would be .7: what is dark by chance counts more.
+    A pixel is one in 25 of those around. Divided by its own square, .7 would be left: what is dark counts more then.
     """
     rough = analysis.Truth(Estimate(noisy(0.25, 5), np.full(SHAPE, 0.25)), np.ones(SHAPE[:2], bool))
     found = analysis.level(noisy(0.01, 1), noisy(0.01, 2), 1, 1.0, rough)
     assert found["relmse"] == pytest.approx(0.0, abs=5 * 0.25**2 / 0.26 * math.sqrt(2 / 12288) + 0.004)
+    assert found["floor"] == 0.0
 
 
 def test_relmse_leaves_the_noise_of_the_truth_out() -> None:

@@ -15,7 +15,7 @@ import os
 import resource
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -77,27 +77,30 @@ def climb(
         return np.asarray(picture, np.float32), clock() - before
 
     timed(1)  # compiles, and loads what is loaded lazily
-    spp, once, planned = 1, 0.0, []
+    start, once, planned = clock(), 0.0, []
     if renderer.startup:
-        start = clock()
-        spp, once = 2, min(timed(1)[1] for _ in range(2))
+        once = min(timed(1)[1] for _ in range(2))
     else:
         planned = _dear_levels(timed, seconds)
         start = clock()  # what it took to plan is not taken from the pictures
     levels: list[dict[str, Any]] = []
     pictures: dict[str, NDArray[np.float32]] = {}
-    while spp <= _MOST_SAMPLES:
-        spp = planned[len(levels)] if planned else spp
+    for spp in planned or _doubled(2 if renderer.startup else 1):
         (a, first), (b, second) = timed(spp), timed(spp)
         call = (first + second) / 2
         # a call with one sample has rendered one: n - 1 are left in the difference
         each = max(call - once, 1e-3) * spp / (spp - 1) if renderer.startup else call
         pictures |= {f"a{len(levels)}": a, f"b{len(levels)}": b}
         levels.append({"spp": spp, "seconds": each, "call": call})
-        if len(levels) == len(planned) if planned else clock() - start + 4 * call > seconds:
+        if not planned and clock() - start + 4 * call > seconds:
             break
-        spp *= 2
     return levels, pictures
+
+
+def _doubled(samples: int) -> Iterator[int]:
+    while samples <= _MOST_SAMPLES:
+        yield samples
+        samples *= 2
 
 
 def _dear_levels(timed: Callable[[int], tuple[Any, float]], seconds: float) -> list[int]:

@@ -5,7 +5,7 @@ import mitsuba as mi
 import numpy as np
 import pytest
 
-from nephrite.plugins import camera
+from nephrite.plugins import camera, sequence
 from support import measure, scenes
 
 
@@ -106,9 +106,9 @@ def test_the_paths_of_a_pixel_begin_evenly():
     """No gap between 100 numbers is wider than .05; by chance, the widest of all pixels would be about .1."""
     sensor = mi.load_dict(_scene()).sensors()[0]
     lanes = camera.Camera(sensor, 100, 7)
-    groups = int(lanes.turns[0])
-    for dimension in range(camera.TURN + 2):
-        paths = [np.array(lanes.even(dimension, mi.UInt32(i), 0.5, True)) for i in range(100 // groups + 1)]
+    groups = int(lanes.even.turns[0])
+    for dimension in range(sequence.TURN + 2):
+        paths = [np.array(lanes.even(dimension, mi.UInt32(i), 0.5)) for i in range(100 // groups + 1)]
         pixels = np.array(paths).reshape(len(paths), -1, groups).swapaxes(1, 2).reshape(-1, 16 * 16)
         numbers = np.sort(pixels[:100], axis=0)
         assert numbers.min() >= 0.0
@@ -116,5 +116,12 @@ def test_the_paths_of_a_pixel_begin_evenly():
         assert np.diff(numbers, axis=0).max() < 0.05
         assert np.unique(pixels[0]).size > 250  # each pixel's own
     other = camera.Camera(sensor, 100, 8)
-    assert not np.allclose(other.even(0, mi.UInt32(0), 0.5, True), lanes.even(0, mi.UInt32(0), 0.5, True))
+    assert not np.allclose(other.even(0, mi.UInt32(0), 0.5), lanes.even(0, mi.UInt32(0), 0.5))
     assert float(lanes.even(0, mi.UInt32(0), 0.5, False)[0]) == 0.5
+
+
+def test_the_steps_are_those_of_the_r_sequence():
+    assert sequence.steps(1) == pytest.approx([0.6180339887498949])  # the golden ratio's
+    assert sequence.steps(2) == pytest.approx(
+        [0.7548776662466927, 0.5698402909980532]
+    )  # the plastic number's

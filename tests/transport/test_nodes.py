@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from scipy import sparse
 from scipy.spatial import KDTree
 
-from nephrite.transport.nodes import DENSITY, interpolation, smoothing, spread, strongest
+from nephrite.transport.nodes import DENSITY, interpolation, smoothing, spread
 
 SPACING = 0.1
 
@@ -55,11 +54,3 @@ def test_an_average_is_as_wide_as_asked_for():
     weights = smoothing(points[kept], normals[kept], 1.5 * SPACING)[middle].toarray()
     apart = points[kept][None, :, 0] - points[kept][middle][:, None, 0]
     assert np.sqrt((weights * apart**2).sum(1).mean()) == pytest.approx(1.5 * SPACING, rel=0.1)
-
-
-def test_the_strongest_entries_are_found():
-    rng = np.random.default_rng(4)
-    dense = rng.uniform(0.1, 1.0, (50, 20)) * (rng.uniform(size=(50, 20)) < 0.3)
-    dense[np.arange(50), rng.integers(20, size=50)] = 0.05  # no row is empty
-    dense[7, 3:5] = 2.0  # of equal ones, the first
-    assert (strongest(sparse.csr_matrix(dense)) == dense.argmax(axis=1)).all()

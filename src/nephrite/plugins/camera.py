@@ -2,10 +2,6 @@
 
 A vectorised loop runs until the slowest of its lanes is done, and walks have long tails. So each lane takes up to
 `PATHS_PER_LANE` paths of one pixel, and starts the next as soon as one ends.
-
-What paths are to do first is drawn more evenly than by chance: the paths of a pixel follow the R sequence of Roberts
-(2018), moved by random numbers of its own (a Kronecker sequence, Cranley-Patterson rotated). It pays where little else
-is random, as with precomputed transport; to walks it makes hardly a difference.
 """
 
 from __future__ import annotations
@@ -15,13 +11,10 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 
+from nephrite.plugins import sequence
+
 PATHS_PER_LANE = 64
 MIN_LANES = 1 << 17
-
-POSITION, INTERFACE, FREE_PATH, TURN = 0, 2, 3, 4  # dimensions of the sequence: x and y, one, one, two
-_DIMENSIONS = 6
-_ROOT = 1.1127756842787055  # x^7 = x + 1
-_STRIDES = [round(2**32 * _ROOT**-k) for k in range(1, _DIMENSIONS + 1)]
 
 
 class OneRay:
@@ -63,32 +56,20 @@ class Camera:
             raise ValueError(f"spp is {spp}: too many samples for one pass, render several and average them.")
         self.sampler = mi.load_dict({"type": "independent"})
         self.sampler.seed(seed, lanes)
-        index: Any = dr.arange(mi.UInt32, lanes)
+        index = dr.arange(mi.UInt32, lanes)
         group = index % groups
         pixel = index // groups
         self.pixel = mi.Point2u(pixel % size[0], pixel // size[0])
         self.budget = mi.UInt32(spp // groups) + dr.select(group < spp % groups, mi.UInt32(1), mi.UInt32(0))
-        self.turn, self.turns = group, dr.opaque(mi.UInt32, groups)
-        own: Any = mi.UInt32(seed) * _DIMENSIONS
-        self.moved = [mi.sample_tea_32(pixel, own + i)[0] for i in range(_DIMENSIONS)]
-        dr.eval(self.moved)
+        self.even = sequence.OfPixels(pixel, group, groups, seed)
         self.first = dr.zeros(mi.Ray3f, lanes)
         self.active = self.budget > 0
-
-    def even(self, dimension: int, path: Any, otherwise: Any, first: Any) -> Any:
-        """Return the number of a `dimension` of the sequence for each lane's `path`, where it is the `first` drawn.
-
-        `otherwise`: a number drawn by chance.
-        """
-        index = self.turn + self.turns * path
-        bits = self.moved[dimension] + index * _STRIDES[dimension]  # modulo 2^32
-        return dr.select(first, mi.Float(bits >> 8) * 2.0**-24, otherwise)
 
     def ray(self, sampler: Any, path: Any, active: Any) -> tuple[Any, Any, Any]:
         """Sample the camera ray of each lane's `path`; return (ray, weight, position on the film)."""
         offset = mi.Vector2f(self.film.crop_offset())
         corner = mi.Vector2f(self.pixel) - self.border + offset
-        spot = corner + mi.Vector2f(*(self.even(POSITION + i, path, 0.5, True) for i in range(2)))
+        spot = corner + mi.Vector2f(*(self.even(sequence.POSITION + i, path, 0) for i in range(2)))
         crop = mi.Vector2f(self.film.crop_size())
         aperture = sampler.next_2d(active) if self.sensor.needs_aperture_sample() else mi.Point2f(0.5)
         time = mi.Float(self.sensor.shutter_open())

@@ -11,10 +11,10 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 
-from nephrite.plugins import camera, path
+from nephrite.plugins import camera, path, sequence
 from nephrite.plugins.exits import unblocked
 
-_STEPS = (0.7548776662466927, 0.5698402909980532)  # R2 sequence (Roberts 2018)
+_STEPS = sequence.steps(2)
 
 
 def direct(scene: Any, at: Any, sensitivity: Any, count: int) -> list[Any]:

@@ -15,7 +15,7 @@ import mitsuba as mi
 
 from nephrite.bssrdf import lobe
 from nephrite.physics import phase
-from nephrite.plugins import camera, channels, emission, glints, interface, jump, twin
+from nephrite.plugins import channels, emission, glints, interface, jump, sequence, twin
 from nephrite.plugins.exits import connection_count, found_by, leave, light_density, toward, unblocked
 from nephrite.plugins.media import Media
 from nephrite.plugins.settings import Settings
@@ -103,7 +103,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
         leading = channels.pick(sigma_t, channel)
         begins = inside & outside_yet & (depth == 0)
         outside_yet &= ~inside
-        free = -dr.log(1 - source.even(camera.FREE_PATH, paths, sampler.next_1d(active), begins)) / leading
+        free = -dr.log(1 - source.even(sequence.FREE_PATH, paths, sampler.next_1d(active), begins)) / leading
         # what would end at its next event goes through to the surface, for what of its light gets there
         through = inside & ~s.may_go_on(order + 1)
         if dr.hint(media.any_low, mode="scalar"):
@@ -125,7 +125,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             )  # fmt: skip
 
         along = dr.exp(-sigma_t * distance)
-        u = [source.even(camera.TURN + i, paths, sampler.next_1d(active), begins) for i in range(2)]
+        u = [source.even(sequence.TURN + i, paths, sampler.next_1d(active), begins) for i in range(2)]
         turned = mi.Frame3f(ray.d).to_world(mi.Vector3f(*phase.sample(*u, g)))
         if dr.hint(media.transport is not None, mode="scalar"):
             # precomputed objects: what would scatter a second time on this way, in expectation, less the twin's
@@ -215,7 +215,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             x = interface.cross(si, ray.d, eta)
             outward = dr.select(leaving, -x.normal, x.normal)
             begins = outside_yet & (depth == 0)
-            lot = source.even(camera.INTERFACE, paths, sampler.next_1d(crossing), begins)
+            lot = source.even(sequence.INTERFACE, paths, sampler.next_1d(crossing), begins)
             reflects = crossing & (lot < x.reflectance)
             direction = dr.select(reflects, x.reflected, x.refracted)
             rough, rough_pdf, rough_delta = mi.Bool(False), mi.Float(0), mi.Bool(False)
@@ -346,7 +346,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                     entered = dr.max(β)
                     started += entered
                     if dr.hint(media.transport is not None, mode="scalar"):
-                        deep, kept = media.transported(s, within, si, outward, -ray.d, enters)
+                        deep, kept = media.transported(within, si, outward, -ray.d, enters)
                         L += β * deep * twin.expected(sigma_t, sigma_s, kept)
                     channel, β, ratio = channels.lead(β, sigma_t, sampler.next_1d())
                     events, steps, travelled = mi.UInt32(0), mi.UInt32(0), mi.Float(0)

@@ -9,8 +9,9 @@ import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
 
-STEPS = np.array([0.7548776662466927, 0.5698402909980532])
-"""R2 sequence (Roberts 2018)."""
+from nephrite.plugins import sequence
+
+STEPS = np.array(sequence.steps(2))
 
 TILE = 4  # pixels: each of a tile's has another point of the sequence
 _ORDER = np.array(

@@ -79,7 +79,7 @@ def kernels(
     left = [sorted_(*both) for both in zip(back, out, strict=True)]
     right = [sorted_(*both) for both in zip(out, back, strict=True)]
     starts = np.searchsorted(row, np.arange(count + 1)).astype(np.int32)
-    kernels = []
+    found = []
     for share in weight:
         values = np.zeros((len(first), parts, parts), np.float32)
         share = sorted_(share, share)
@@ -91,5 +91,5 @@ def kernels(
                     values[:, i, j] = np.add.reduceat(brought, first) * scale if len(first) else 0
         size = parts * count
         blocks = sparse.bsr_matrix((values, column.astype(np.int32), starts), shape=(size, size))
-        kernels.append(blocks.tocsr())
-    return kernels
+        found.append(blocks.tocsr())
+    return found

@@ -99,10 +99,3 @@ def interpolation(points: NDArray, normals: NDArray, nodes: NDArray, facing: NDA
     )
     matrix.eliminate_zeros()
     return matrix
-
-
-def strongest(matrix: Any) -> NDArray[np.int64]:
-    """Return the column of each row's greatest entry, of a sparse matrix whose rows all have some above 0."""
-    starts, counts = matrix.indptr[:-1], np.diff(matrix.indptr)
-    greatest = np.flatnonzero(matrix.data == np.repeat(np.maximum.reduceat(matrix.data, starts), counts))
-    return matrix.indices[greatest[np.searchsorted(greatest, starts)]].astype(np.int64)

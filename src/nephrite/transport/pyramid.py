@@ -9,7 +9,6 @@ between wider cells.
 
 from __future__ import annotations
 
-import os
 from concurrent.futures import ThreadPoolExecutor
 from functools import reduce
 from itertools import pairwise
@@ -21,7 +20,7 @@ from scipy import sparse
 
 from nephrite.transport.counted import Cells, Walks, kernels, levels
 from nephrite.transport.frames import frames, turned, turning
-from nephrite.transport.nodes import REACH, interpolation, smoothing, spread, strongest
+from nephrite.transport.nodes import REACH, interpolation, smoothing, spread
 
 MEANS = ((0, 1, 2), (3,), (4,), (5,))
 """Levels of distance whose walks are counted between the cells of each grid: the nodes, cells of 2, 4, 8 spacings."""
@@ -92,7 +91,7 @@ class Pyramid:
                 width = 2**grid * spacing
                 centres = spread(p, n, width)
                 up = interpolation(p, n, p[centres], n[centres], REACH * width)
-                p, n, nearest = p[centres], n[centres], strongest(up)[nearest]
+                p, n, nearest = p[centres], n[centres], np.asarray(up.argmax(axis=1)).ravel()[nearest]
                 mass = up.T @ mass
                 ups.append(up)
                 facing.append(n)
@@ -113,7 +112,7 @@ class Pyramid:
             return kernels(own, far, cells[grid], each, *ends)
 
         remembered = (*MOMENTS[1:], ()) if len(points) < FEW else MOMENTS
-        with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        with ThreadPoolExecutor() as pool:
             smooth = pool.submit(smoothing, points, normals, spacing)
             means = [pool.submit(counted, grid, MEANS[grid], False) for grid in range(GRIDS)]
             moments = [pool.submit(counted, grid, remembered[grid], True) for grid in range(GRIDS)]
