@@ -25,7 +25,19 @@ import numpy as np
 from nephrite.physics.single import single_scattering_share
 from nephrite.profiles import models
 
-__all__ = ["EDGES", "FIRST", "ROWS", "STEP", "Table", "albedos", "multiple", "table", "tabulate", "tabulated"]
+__all__ = [
+    "EDGES",
+    "EMPTY",
+    "FIRST",
+    "ROWS",
+    "STEP",
+    "Table",
+    "albedos",
+    "multiple",
+    "table",
+    "tabulate",
+    "tabulated",
+]
 
 ROWS = 64
 EDGES = 137
@@ -33,8 +45,9 @@ FIRST = -8.0
 """Logarithm to base 2 of the least distance told apart, in reduced mean free paths."""
 STEP = 17.0 / (EDGES - 1)
 """Octaves between edges: the table ends at 512 reduced mean free paths, beyond which a kernel is 0."""
+EMPTY = -100.0
+"""Logarithm to base 2 of nothing."""
 
-_EMPTY = -100.0  # logarithm to base 2 of nothing
 _PARTS, _WEIGHTS = (np.array(part) for part in np.polynomial.legendre.leggauss(4))
 _DEPTHS = np.exp2(np.arange(-4.0, 4.6, 0.5))
 _SHARES = np.array([0.3, 0.5, 0.7, 0.85])
@@ -92,7 +105,7 @@ def table(kernel: Callable[[np.ndarray], Any], rows: int) -> Table:
     area = (half[:, None] * _WEIGHTS).ravel() * 2.0 * math.pi * r
     values = _clean(kernel(r[None, :]), (rows, r.size))
     at_edges = _clean(kernel(edges[None, :]), (rows, EDGES))
-    log_kernel = np.where(at_edges > 0, np.log2(np.maximum(at_edges, 2.0**_EMPTY)), _EMPTY)
+    log_kernel = np.where(at_edges > 0, np.log2(np.maximum(at_edges, 2.0**EMPTY)), EMPTY)
     return Table(log_kernel, _poles(values, r, area))
 
 

@@ -7,11 +7,9 @@ from typing import Any
 
 import drjit as dr
 import mitsuba as mi
-import numpy as np
 
-from nephrite.bssrdf import fixed
-from nephrite.errors import ParameterError
-from nephrite.plugins.kernels import Kernels, Place, reduced_extinction
+from nephrite.bssrdf import fixed, kernel
+from nephrite.plugins.kernels import Kernels, Place, reduced_extinction, row_of
 from nephrite.profiles.measured import MeasuredProfile
 
 _EDGEWISE = 1e-3  # cosine: a rim, at right angles to the face of entry, belongs to it all over
@@ -40,33 +38,42 @@ class Measured(Kernels):
 
 
 class Slabs(Kernels):
-    """The multipole for plates and sheets of a given thickness, of one medium each: two rows for each channel."""
+    """The multipole for plates and sheets of a given thickness: rows by reduced albedo and by thickness."""
 
     def __init__(self, entries: list[Any], thickness: float) -> None:
-        """Make the tables for `media.Entry` objects; `thickness` in mm.
-
-        Raises `ParameterError` for coefficients that vary.
-        """
+        """Make the tables for `media.Entry` objects; `thickness` in mm."""
         self._thickness = mi.Float([thickness / entry.unit for entry in entries])
-        tables = []
+        tables, firsts, nodes = [], [0], []
         for entry, across in zip(entries, self._thickness, strict=True):
-            for sigma_a, sigma_s in zip(*_constants(entry), strict=True):
-                extinction = max(sigma_a + sigma_s * (1.0 - entry.g), 1e-20)
-                albedo = sigma_s * (1.0 - entry.g) / extinction
-                tables.append(fixed.slab(albedo, across * extinction, entry.eta, entry.g))
+            deep = _nodes(entry, across)
+            tables.append(fixed.slabs(deep, entry.eta, entry.g))
+            firsts.append(firsts[-1] + len(tables[-1].poles))
+            nodes.append((deep[0], len(deep)))
         super().__init__(tables)
-        dr.eval(self._thickness)
+        self._first = mi.UInt32(firsts)
+        self._least = mi.Float([least for least, _ in nodes])
+        self._last = mi.Float([count - 1.001 for _, count in nodes])
+        dr.eval(self._thickness, self._first, self._least, self._last)
 
     def place(self, number: Any, sigma_a: Any, sigma_s: Any, g: Any) -> Place:
-        """Find the rows of the face of entry."""
-        log_scale = mi.Spectrum(dr.log2(reduced_extinction(sigma_a, sigma_s, g)))
-        count = len(log_scale)
+        """Find the rows of the face of entry, for the thickness below."""
+        extinction = reduced_extinction(sigma_a, sigma_s, g)
+        across, least, last = (
+            dr.gather(mi.Float, column, number - 1) for column in (self._thickness, self._least, self._last)
+        )
+        deep = dr.maximum(across * extinction / least, 1.0)
+        at = dr.minimum(dr.log2(deep) * fixed.AN_OCTAVE, last)
+        below = dr.floor(at)
+        # the light that crosses a slab falls off as e to its thickness: even between nodes is even in the thickness
+        between = (deep * dr.exp2(-below / fixed.AN_OCTAVE) - 1.0) / (2.0 ** (1.0 / fixed.AN_OCTAVE) - 1.0)
+        log_scale = mi.Spectrum(dr.log2(extinction))
         return Place(
-            (number - 1) * 2 * count,
-            mi.Spectrum([2.0 * i for i in range(count)]),
+            dr.gather(mi.UInt32, self._first, number - 1),
+            mi.Spectrum(below * 2.0 * kernel.ROWS + row_of(sigma_a, sigma_s, extinction)),
             log_scale,
             2.0 * log_scale,
-            dr.gather(mi.Float, self._thickness, number - 1),
+            across,
+            mi.Spectrum(dr.minimum(between, 1.0)),
         )
 
     def seen(self, place: Place, offset: Any, n_o: Any, n_i: Any) -> Any:
@@ -74,7 +81,11 @@ class Slabs(Kernels):
         far = dr.dot(n_i, n_o) < -_EDGEWISE
         squared = dr.squared_norm(offset)
         along = dr.sqrt(dr.maximum(squared - dr.select(far, dr.square(place.thickness), 0.0), 0.0))
-        return self.log_kernel(replace(place, first=place.first + dr.select(far, mi.UInt32(1), 0)), along)
+        face = place.first + dr.select(far, mi.UInt32(kernel.ROWS), 0)
+        below, above = (
+            self.log_kernel(replace(place, first=face + rows), along) for rows in (0, 2 * kernel.ROWS)
+        )
+        return dr.lerp(below, above, place.between)
 
 
 def _channels(values: list[float]) -> Any:
@@ -82,14 +93,8 @@ def _channels(values: list[float]) -> Any:
     return mi.Spectrum(values if len(values) > 1 else values[0])
 
 
-def _constants(entry: Any) -> list[list[float]]:
-    """Return sigma_a and sigma_s of each channel, per scene unit."""
-    if entry.varies:
-        raise ParameterError(
-            f"the coefficients of {entry.name} vary over its surface, but a multipole with a thickness is made for one "
-            "medium: give it constant coefficients, leave out thickness, or use the model walk or tabulated."
-        )
-    return [
-        [float(np.ravel(channel)[0]) for channel in values]
-        for values in entry.coefficients(dr.zeros(mi.SurfaceInteraction3f), True)
-    ]
+def _nodes(entry: Any, across: float) -> tuple[float, ...]:
+    """Return thicknesses for the coefficients of a material, which may vary, in reduced mean free paths."""
+    absorbed, scattered = entry.sampled_coefficients()
+    deep = across * (absorbed + scattered * (1.0 - entry.g))
+    return fixed.thicknesses(float(deep.min()), float(deep.max()))

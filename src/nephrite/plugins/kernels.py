@@ -24,7 +24,8 @@ class Place:
     """Where to look for a point's kernel: first row of its material; the others per channel.
 
     `row`: from the first; `log_scale`: log2 of the table's lengths per scene unit; `log_gain`: log2 of what its values
-    are multiplied by. `thickness`: of a slab, in scene units.
+    are multiplied by. Of a slab: `thickness`, in scene units, and `between`, how far it is from the thickness of
+    these rows, 0, to the next one, 1.
     """
 
     first: Any
@@ -32,6 +33,7 @@ class Place:
     log_scale: Any
     log_gain: Any
     thickness: Any = 0.0
+    between: Any = 0.0
 
 
 class Kernels(ABC):
@@ -75,7 +77,7 @@ class Kernels(ABC):
         log_r = dr.log2(r)
         for row, log_scale, gain in zip(place.row, place.log_scale, place.log_gain, strict=True):
             x = dr.clip((log_r + log_scale - kernel.FIRST) / kernel.STEP, 0.0, kernel.EDGES - 1.001)
-            bin_, low = mi.UInt32(x), dr.minimum(mi.UInt32(row), kernel.ROWS - 2)
+            bin_, low = mi.UInt32(x), mi.UInt32(row)
             u, v = x - mi.Float(bin_), row - mi.Float(low)
             c: Any = dr.gather(_four(), self._corners, (place.first + low) * (kernel.EDGES - 1) + bin_)
             value = dr.lerp(dr.lerp(c[0], c[1], u), dr.lerp(c[2], c[3], u), v)
@@ -103,10 +105,8 @@ class HalfSpaces(Kernels):
     def place(self, number: Any, sigma_a: Any, sigma_s: Any, g: Any) -> Place:
         """Find the rows for the coefficients of material `number`, per channel."""
         extinction = reduced_extinction(sigma_a, sigma_s, g)
-        absorbed = dr.select(sigma_s > 0, dr.minimum(sigma_a / extinction, 1.0), 1.0)
-        row = dr.sqrt(dr.sqrt(absorbed)) * (kernel.ROWS - 1.0)
-        log_scale = mi.Spectrum(dr.log2(extinction))
-        return Place((number - 1) * kernel.ROWS, mi.Spectrum(row), log_scale, 2.0 * log_scale)
+        row, log_scale = row_of(sigma_a, sigma_s, extinction), mi.Spectrum(dr.log2(extinction))
+        return Place((number - 1) * kernel.ROWS, row, log_scale, 2.0 * log_scale)
 
     def seen(self, place: Place, offset: Any, n_o: Any, n_i: Any) -> Any:
         """As above; a finite model knows where the surface is seen through the body."""
@@ -121,6 +121,12 @@ class HalfSpaces(Kernels):
 def reduced_extinction(sigma_a: Any, sigma_s: Any, g: Any) -> Any:
     """Return sigma_t', above 0."""
     return dr.maximum(sigma_a + sigma_s * (1.0 - g), 1e-20)
+
+
+def row_of(sigma_a: Any, sigma_s: Any, extinction: Any) -> Any:
+    """Return where a table by reduced albedo has these coefficients, from 0 to below `ROWS - 1`, per channel."""
+    absorbed = dr.select(sigma_s > 0, dr.minimum(sigma_a / extinction, 1.0), 1.0)
+    return mi.Spectrum(dr.minimum(dr.sqrt(dr.sqrt(absorbed)) * (kernel.ROWS - 1.0), kernel.ROWS - 1.001))
 
 
 def _corners(values: np.ndarray) -> np.ndarray:

@@ -63,13 +63,18 @@ class Entry:
         sigma_s, _, sigma_t = medium.get_scattering_coefficients(mei, active)
         return dr.maximum(sigma_t - sigma_s, 0.0), sigma_s
 
-    def mean_coefficients(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return sigma_a and sigma_s, per scene unit, per channel, averaged over the first shape."""
+    def sampled_coefficients(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return sigma_a and sigma_s, per scene unit, at random points of the first shape: (points or 1, channels)."""
         sampler = mi.load_dict({"type": "independent"})
         sampler.seed(0, _POINTS)
         si = surface_points(self.shapes[0], sampler.next_2d(), sampler.next_1d())
         absorbed, scattered = self.coefficients(si, mi.Bool(True))
-        return _channel_means(absorbed), _channel_means(scattered)
+        return np.array(absorbed).T, np.array(scattered).T
+
+    def mean_coefficients(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return sigma_a and sigma_s, per scene unit, per channel, averaged over the first shape."""
+        absorbed, scattered = self.sampled_coefficients()
+        return absorbed.mean(axis=0, dtype=np.float64), scattered.mean(axis=0, dtype=np.float64)
 
     def emitted(self, si: Any, active: Any) -> Any:
         """Return the volumetric emission per scene unit."""
@@ -282,10 +287,6 @@ class Media:
                 v, p = entry.surface.eval_pdf(context, si, wo, mine)
                 value, pdf = dr.select(mine, v, value), dr.select(mine, p, pdf)
         return value, pdf
-
-
-def _channel_means(values: Any) -> np.ndarray:
-    return np.array([float(dr.mean(channel)[0]) for channel in values])
 
 
 def _column(values: list[float], first: float) -> Any:

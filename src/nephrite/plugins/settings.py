@@ -66,11 +66,6 @@ def read(props: Any) -> Settings:
     terms = _terms(str(props.get("terms", "all")))
     profile, thickness = props.get("profile"), props.get("thickness")
     check_details(model, profile, thickness)
-    if thickness is not None and mi.is_spectral:
-        raise ParameterError(
-            f"thickness is {thickness!r} in {mi.variant()}: a slab's kernels are made channel by channel, and a "
-            "wavelength is none; use an rgb or mono variant, leave thickness out, or use the model walk."
-        )
     return Settings(
         model,
         exit_,
