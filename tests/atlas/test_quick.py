@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from nephrite.atlas import choice, measure, page, watch
+from nephrite.atlas import choice, measure, page, pictures, watch
 from nephrite.atlas.plan import QUICK
 from nephrite.atlas.store import Store
 from nephrite.profiles.models import MODELS
@@ -43,12 +43,23 @@ def test_the_page_says_what_was_found(found):
     text = page.text(whole, replace(QUICK, timed=True), made)
     for part in ("Which model should I use?", "Half-spaces", "Slabs", "Pictures"):
         assert f"\n## {part}\n" in text
+    assert "Is `tabulated` nearer" in text
     for name in MODELS:
         assert f"`{name}`" in text
     assert found["date"] in text
     assert found["version"] in text
     assert "nan" not in text
     assert "inf" not in text
+
+
+def test_what_noise_leaves_open_gets_more_samples():
+    plan = replace(QUICK, views=QUICK.views[:1], truth_spp=2, spp=2, finer=(2, 4))
+    rows, (contest,) = pictures.pictures(plan, Store(None), ("walk", "tabulated", "photon_beam"))
+    assert contest["finer"] == 4
+    assert contest["rival"] == "photon_beam"
+    errors = {row["method"]: row["error"] for row in rows}
+    by_errors = errors["photon_beam"] ** 2 - errors["tabulated"] ** 2
+    assert contest["lead"] == pytest.approx(by_errors, abs=3.0 * contest["lead_error"])
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["BLOCK", "MAP_BLOCK", "WORST_BLOCK", "Difference", "Estimate", "block_map", "difference"]
+__all__ = ["BLOCK", "MAP_BLOCK", "WORST_BLOCK", "Difference", "Estimate", "block_map", "difference", "sums"]
 
 BLOCK = 8
 """Side, in pixels, of the blocks whose errors are averaged."""
@@ -58,12 +58,12 @@ class Difference:
 
 def difference(picture: Estimate, truth: Estimate, mask: NDArray[np.bool_]) -> Difference:
     """Compare over the object's pixels, `mask` (height, width)."""
-    a, b, va, vb = _sums(picture, truth, mask, None)
+    a, b, va, vb = sums(picture, truth, mask, None)
     whole_a, whole_b = a.sum(), b.sum()
     bias = whole_a / whole_b - 1.0
     bias_error = np.sqrt(va.sum() / whole_b**2 + vb.sum() * whole_a**2 / whole_b**4)
 
-    a, b, va, vb = _sums(picture, truth, mask, BLOCK)
+    a, b, va, vb = sums(picture, truth, mask, BLOCK)
     scale = np.maximum((b**2 - vb).mean(axis=0), 1e-30)
     noise = va + vb
     squares = ((a - b) ** 2 - noise).mean(axis=0) / scale
@@ -72,7 +72,7 @@ def difference(picture: Estimate, truth: Estimate, mask: NDArray[np.bool_]) -> D
     error, error_error = _root(squares.mean(), np.sqrt((spread**2).sum()) / len(spread))
     each = [_root(square, width) for square, width in zip(squares, spread, strict=True)]
 
-    a, b, va, vb = (x.sum(axis=1) for x in _sums(picture, truth, mask, WORST_BLOCK))
+    a, b, va, vb = (x.sum(axis=1) for x in sums(picture, truth, mask, WORST_BLOCK))
     relative = a / b - 1.0
     at = int(np.abs(relative).argmax())
     worst_error = np.sqrt(va[at] / b[at] ** 2 + vb[at] * a[at] ** 2 / b[at] ** 4)
@@ -81,6 +81,25 @@ def difference(picture: Estimate, truth: Estimate, mask: NDArray[np.bool_]) -> D
         tuple(value for value, _ in each), tuple(width for _, width in each),
         float(relative[at]), float(worst_error),
     )  # fmt: skip
+
+
+def sums(
+    picture: Estimate, truth: Estimate, mask: NDArray[np.bool_], block: int | None
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Sum light and variance, picture and truth, over the blocks that count: each (blocks, channels).
+
+    `block`: the side in pixels, None for the object as a whole. Half of a block must be the object's.
+    """
+    inside = mask[..., None].astype(np.float64)
+    values = [x * inside for x in (picture.mean, truth.mean, picture.error**2, truth.error**2)]
+    if block is None:
+        sums = [x.sum(axis=(0, 1))[None] for x in values]
+    else:
+        keep = _blocks(inside, block)[..., 0] >= _COVERAGE * block * block
+        if not keep.any():
+            keep[...] = True
+        sums = [_blocks(x, block)[keep] for x in values]
+    return sums[0], sums[1], sums[2], sums[3]
 
 
 def block_map(picture: Estimate, truth: Estimate, mask: NDArray[np.bool_], block: int = MAP_BLOCK) -> Floats:
@@ -103,22 +122,6 @@ def _root(square: float, width: float) -> tuple[float, float]:
     root = float(np.sqrt(max(square, 0.0)))
     # near 0 the root is no straight line: there, what its square's standard error is the square of
     return root, float(min(width / max(2.0 * root, 1e-30), np.sqrt(width)))
-
-
-def _sums(
-    picture: Estimate, truth: Estimate, mask: NDArray[np.bool_], block: int | None
-) -> tuple[Floats, Floats, Floats, Floats]:
-    """Sum light and variance, picture and truth, over the blocks that count: each (blocks, channels)."""
-    inside = mask[..., None].astype(np.float64)
-    values = [x * inside for x in (picture.mean, truth.mean, picture.error**2, truth.error**2)]
-    if block is None:
-        sums = [x.sum(axis=(0, 1))[None] for x in values]
-    else:
-        keep = _blocks(inside, block)[..., 0] >= _COVERAGE * block * block
-        if not keep.any():
-            keep[...] = True
-        sums = [_blocks(x, block)[keep] for x in values]
-    return sums[0], sums[1], sums[2], sums[3]
 
 
 def _spread(blocks: Floats, block: int, shape: tuple[int, ...]) -> Floats:

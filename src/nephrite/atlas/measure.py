@@ -23,9 +23,9 @@ _DIGITS = 4
 def measured(plan: Plan, store: Store, models: tuple[str, ...]) -> dict[str, Any]:
     """Measure what the plan asks for; a variant must be set.
 
-    Returns `version`, `date`, `methods`, rows of `half_spaces` (`planes.HalfSpace`), `slabs` (`planes.Slab`) and
-    `pictures` (`pictures.Picture`), and what follows from them: `advice` and `rules` (`choice`). What there was no time
-    for is left out.
+    Returns `version`, `date`, `methods`, rows of `half_spaces` (`planes.HalfSpace`), `slabs` (`planes.Slab`),
+    `pictures` (`pictures.Picture`) and `contests` (`contest.Contest`), and what follows from them: `advice` and `rules`
+    (`choice`). What there was no time for is left out.
     """
     found: dict[str, Any] = {
         "version": __version__,
@@ -37,7 +37,7 @@ def measured(plan: Plan, store: Store, models: tuple[str, ...]) -> dict[str, Any
             found[name] = part(plan, store, models)
         except NotYetError:
             found[name] = []
-    rows = pictures.pictures(plan, store, tuple(found["methods"]))
+    rows, found["contests"] = pictures.pictures(plan, store, tuple(found["methods"]))
     found["pictures"] = rows
     limits = (choice.FINAL, choice.PREVIEW) if plan.timed else ()
     found["advice"] = choice.advice(rows) if plan.timed else []

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from nephrite.atlas import contest
 from nephrite.atlas.compared import Difference, Estimate, difference
 from nephrite.atlas.plan import Plan, View
 from nephrite.atlas.store import Cell, NotYetError, Store
@@ -64,34 +65,59 @@ def methods(models: tuple[str, ...]) -> tuple[str, ...]:
     return ("walk", *found, "brdf")
 
 
-def pictures(plan: Plan, store: Store, names: tuple[str, ...]) -> list[dict[str, Any]]:
-    """Return the `Picture` of every view by each of the methods, as dictionaries; a variant must be set.
+def pictures(
+    plan: Plan, store: Store, names: tuple[str, ...]
+) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """Return the `Picture` of every view by each of the methods, and its `Contest`s; a variant must be set.
 
-    Views that there was no time for are left out.
+    As dictionaries. Views that there was no time for are left out.
     """
-    loader, rows = Loader(plan.resolution), []
+    loader, rows, contests = Loader(plan.resolution), [], []
     for view in plan.views:
         loaded = loader.load(view)
         try:
             cells = {name: rendered(plan, store, loaded, name) for name in (TRUTH, *names)}
         except NotYetError:
             continue
-        mask = cells[TRUTH]["mask"]
-        truth, walk = estimate(cells[TRUTH]), cells["walk"]
-        medium = loaded.medium
+        shown, finer = _refined(plan, store, loaded, cells)
+        truth, mask = shown.pop(TRUTH), cells[TRUTH]["mask"]
+        walk, medium = cells["walk"], loaded.medium
         for name in names:
-            cell = cells[name]
             row = Picture(
-                **asdict(difference(estimate(cell), truth, mask)),
+                **asdict(difference(shown[name], truth, mask)),
                 **asdict(view),
                 method=name,
                 thickness=tuple(loaded.thickness.tolist()),
                 albedo=tuple(float(a) for a in medium.albedo_prime),
-                rate=float(cell["rate"] / walk["rate"]),
-                efficiency=float(cell["efficiency"] / walk["efficiency"]),
+                rate=float(cells[name]["rate"] / walk["rate"]),
+                efficiency=float(cells[name]["efficiency"] / walk["efficiency"]),
             )
             rows.append(asdict(row))
-    return rows
+        for rival in contest.RIVALS:
+            if rival in shown and contest.CHAMPION in shown:
+                lead = contest.lead(shown[contest.CHAMPION], shown[rival], truth, mask)
+                row = contest.Contest(
+                    **asdict(view), rival=rival, lead=lead[0], lead_error=lead[1], finer=finer
+                )
+                contests.append(asdict(row))
+    return rows, contests
+
+
+def _refined(
+    plan: Plan, store: Store, loaded: Loaded, cells: dict[str, Cell]
+) -> tuple[dict[str, Estimate], int]:
+    """Return all pictures, and how many times the usual samples those of the contest have, the truth's too."""
+    shown, finer = {name: estimate(cell) for name, cell in cells.items()}, 1
+    asked = [name for name in (TRUTH, contest.CHAMPION, *contest.RIVALS) if name in cells]
+    for times in plan.finer:
+        if not contest.is_open(shown, shown[TRUTH], cells[TRUTH]["mask"]):
+            break
+        try:
+            better = {name: estimate(rendered(plan, store, loaded, name, times)) for name in asked}
+        except NotYetError:
+            break
+        shown, finer = {**shown, **better}, times
+    return shown, finer
 
 
 def estimate(cell: Cell) -> Estimate:
@@ -99,24 +125,27 @@ def estimate(cell: Cell) -> Estimate:
     return Estimate(cell["mean"].astype(np.float64), cell["error"].astype(np.float64))
 
 
-def rendered(plan: Plan, store: Store, loaded: Loaded, name: str) -> Cell:
+def rendered(plan: Plan, store: Store, loaded: Loaded, name: str, times: int = 1) -> Cell:
     """Render a view by a method: `mean` and standard `error` of the picture, `mask`, `rate` and `efficiency`.
 
-    A diffusion model's cell is known by the numbers of its profile and the code of the jumps too: when they change, its
-    pictures are made again, but not the truth.
+    `times`: the samples that the plan asks for. But for the truth's, a cell is known by the code of the plugins too,
+    and a diffusion model's by the numbers of its profile: when they change, its pictures are made again.
     """
     import mitsuba as mi
 
     view, medium = loaded.view, loaded.medium
-    spp = plan.truth_spp if name == TRUTH else plan.spp
+    spp = times * (plan.truth_spp if name == TRUTH else plan.spp)
     asked = {
         "view": str(view), "method": name, "spp": spp, "resolution": plan.resolution, "variant": mi.variant(),
         "seed": _SEED, "rig": LIGHTS[view.light], "terms": _TERMS,
         "medium": [medium.sigma_a, medium.sigma_s, medium.g, medium.eta], "rounds": [_GOAL, _MOST_ROUNDS],
     }  # fmt: skip
+    if name != TRUTH:
+        asked["code"] = _sources()
     if name in MODELS:
-        asked["profile"] = _fingerprint(name, medium.eta, medium.g)
-    return store.cell(f"picture {view}, {name}", asked, lambda: _render(loaded, name, spp))
+        asked["profile"] = _profile(name, medium.eta, medium.g)
+    label = f"picture {view}, {name}" + (f", {times} x the samples" if times > 1 else "")
+    return store.cell(label, asked, lambda: _render(loaded, name, spp))
 
 
 def _render(loaded: Loaded, name: str, spp: int) -> Cell:
@@ -159,17 +188,17 @@ def _render(loaded: Loaded, name: str, spp: int) -> Cell:
     }
 
 
-def _fingerprint(name: str, eta: float, g: float) -> str:
+def _profile(name: str, eta: float, g: float) -> str:
     table = kernel.tabulated(name, eta, g).log_kernel.astype(np.float32)
-    return hashlib.sha256(table.tobytes() + _sources()).hexdigest()
+    return hashlib.sha256(table.tobytes()).hexdigest()
 
 
 @lru_cache(maxsize=1)
-def _sources() -> bytes:
-    """Return a digest of the code by which light jumps."""
+def _sources() -> str:
+    """Return a digest of the code that renders."""
     package = Path(kernel.__file__).parents[1]
     files = sorted(path for part in ("bssrdf", "plugins") for path in (package / part).glob("*.py"))
-    return hashlib.sha256(b"".join(path.read_bytes() for path in files)).digest()
+    return hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()
 
 
 def _same(one: str, other: str) -> bool:

@@ -34,6 +34,7 @@ class Plan:
     Half-spaces: every reduced albedo of `albedos` with every `etas` and `gs`, `photons` each (fewer where g is high).
     Slabs: isotropic, `thicknesses` in mean free paths, `slab_albedos`, `slab_etas`. Pictures: `views` of `resolution`,
     with at least `truth_spp` and `spp` samples per pixel for the exact walk and for each model; `shown` have a figure.
+    `finer`: how many times more samples, step by step, the pictures of `contest` get where noise leaves an order open.
     `timed`: there are enough pictures, and enough samples in each, to speak of speed and to choose a model by.
     """
 
@@ -50,6 +51,7 @@ class Plan:
     resolution: tuple[int, int]
     truth_spp: int
     spp: int
+    finer: tuple[int, ...]
     timed: bool
 
 
@@ -87,6 +89,7 @@ FULL = Plan(
     resolution=(96, 72),
     truth_spp=128,
     spp=32,
+    finer=(8, 64),
     timed=True,
 )
 
@@ -104,5 +107,6 @@ QUICK = Plan(
     resolution=(48, 48),
     truth_spp=64,
     spp=16,
+    finer=(),
     timed=False,
 )

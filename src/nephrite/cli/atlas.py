@@ -40,9 +40,9 @@ def atlas(
 ) -> None:
     """Measure how wrong each model is, and where: half-spaces, slabs and pictures, on one page.
 
-    The whole takes half an hour or more on two cores. Each result is kept, so that a run that was stopped, by
-    Ctrl-C or by --time, goes on where it ended. Results are known by version and parameters, a diffusion
-    model's also by its profile and the code that renders it; after other changes to the code use --fresh.
+    The whole takes more than an hour on two cores. Each result is kept, so that a run that was stopped, by
+    Ctrl-C or by --time, goes on where it ended. Results are known by version and parameters, pictures but the
+    truth's also by the code that renders them; after other changes to the code use --fresh.
     """
     from nephrite.atlas import figures, measure, page
     from nephrite.atlas.pictures import views_of
