@@ -102,7 +102,7 @@ def trace(setting: Setting, paths: int, seed: int) -> Counts:
         """Start a walk: its x and y, and its direction's x and z; light enters in the plane of x and z."""
         if quantiles is not None:
             at = jit.Float(dr.power(rng.next_float32(), 2.0 / 3.0)) * _QUANTILES
-            index = jit.UInt32(at)
+            index = dr.minimum(jit.UInt32(at), _QUANTILES - 1)
             low, high = dr.gather(jit.Float, quantiles, index), dr.gather(jit.Float, quantiles, index + 1)
             cosine = dr.lerp(low, high, at - jit.Float(index))
         else:
