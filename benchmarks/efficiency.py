@@ -4,7 +4,7 @@
 
 Efficiency = mean^2 / (variance * seconds) over the pixels of the dragon's body; variance from two renders with other
 seeds, seconds of the whole render call after a warm-up, in which `transport` makes its walks: they
-are not counted. Ratios only mean something between rows of one run.
+are not counted, nor is the noise that they leave in both renders. Ratios only mean something between rows of one run.
 """
 
 from __future__ import annotations

@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 import trimesh
 
-from nephrite.plugins import walked
+from nephrite.plugins import kept, walked
+from nephrite.plugins.kept import walks_for
 from nephrite.plugins.layout import lay
 from nephrite.plugins.media import Media
+from nephrite.plugins.transport import Transport
 from support import measure, scenes
 
 QUICK = scenes.ours(model="transport", walks=1_000_000)
@@ -113,12 +115,12 @@ def test_little_that_scatters_twice_is_not_lost():
 
 
 def test_terms_add_up():
+    """Statistical: with one transport for all, a right program fails with probability `measure.FALSE_ALARM`."""
     scene = mi.load_dict(_ball() | {"light": scenes.light((0.6, 0.5, 0.6))})
-    parts = [
-        measure.passes(scene, QUICK | {"terms": term}, 256, 8, 100 * i)
-        for i, term in enumerate(("reduced", "single", "multiple"))
-    ]
-    whole = measure.passes(scene, QUICK, 256, 8, 900)
+    methods = [mi.load_dict(QUICK | {"terms": t}) for t in ("reduced", "single", "multiple", "all")]
+    for method in methods:
+        mi.render(scene, integrator=method, spp=1, seed=0)
+    *parts, whole = (measure.passes(scene, method, 256, 8, 100 * (1 + i)) for i, method in enumerate(methods))
     measure.assert_same(measure.Passes(sum(part.pictures for part in parts)), whole)
 
 
@@ -143,6 +145,37 @@ def test_a_moved_light_needs_no_new_walks(monkeypatch):
     assert np.array_equal(moved, loaded)
     assert moved.mean() == pytest.approx(first.mean(), rel=0.03)  # mirrored
     assert np.abs(moved - first).mean() > 0.1 * first.mean()
+
+
+@pytest.mark.parametrize(
+    ("samples", "millions"), [(0, 1), (120_000 * 64, 1), (120_000 * 128, 2), (480_000 * 64, 4), (10**12, 4)]
+)
+def test_more_samples_have_more_walks(samples, millions):
+    assert walks_for(samples) == millions * 1_000_000
+
+
+def test_more_samples_make_a_finer_transport_and_fewer_keep_it(monkeypatch):
+    made = []
+    monkeypatch.setattr(kept, "FEWEST_WALKS", 20_000)
+    monkeypatch.setattr(kept, "Transport", lambda *given: made.append(given[2:]) or Transport(*given))
+    scene = mi.load_dict(_ball() | {"sky": scenes.environment(1.0)})
+    pixels = int(np.prod(scene.sensors()[0].film().size()))
+    integrator = mi.load_dict(scenes.ours(model="transport"))
+    for spp, seed in ((1, 3), (-(-480_000 // pixels), 4), (1, 5)):
+        mi.render(scene, integrator=integrator, spp=spp, seed=seed)
+    assert made == [(20_000, 3), (80_000, 4)]
+
+
+def test_another_seed_makes_other_walks():
+    scene = mi.load_dict(_ball() | {"sky": scenes.environment(1.0)})
+    found = []
+    for seed in (1, 1, 2):
+        integrator = mi.load_dict(scenes.ours(model="transport", walks=50_000, terms="multiple"))
+        mi.render(scene, integrator=integrator, spp=1, seed=seed)
+        found.append(np.array(mi.render(scene, integrator=integrator, spp=64, seed=9)))
+    assert np.array_equal(found[0], found[1])
+    assert np.abs(found[0] - found[2]).mean() > 1e-3 * found[0].mean()
+    assert found[0].mean() == pytest.approx(found[2].mean(), rel=0.03)
 
 
 def test_walks_take_over_where_transport_does_not_hold():

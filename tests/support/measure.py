@@ -47,10 +47,10 @@ def _block_sums(x: NDArray, block: int) -> NDArray[np.float64]:
     return whole.sum((2, 4)).reshape(n, rows * columns, channels)
 
 
-def passes(scene: Any, integrator: dict[str, Any], spp: int, count: int, seed: int) -> Passes:
-    """Render `count` pictures with the seeds from `seed` on."""
+def passes(scene: Any, integrator: Any, spp: int, count: int, seed: int) -> Passes:
+    """Render `count` pictures with the seeds from `seed` on; scene and integrator may be dictionaries."""
     loaded = mi.load_dict(scene) if isinstance(scene, dict) else scene
-    method = mi.load_dict(integrator)
+    method = mi.load_dict(integrator) if isinstance(integrator, dict) else integrator
     pictures = [np.array(mi.render(loaded, integrator=method, spp=spp, seed=seed + i)) for i in range(count)]
     return Passes(np.array(pictures, dtype=np.float64))
 

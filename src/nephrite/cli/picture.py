@@ -23,10 +23,16 @@ if TYPE_CHECKING:
 def rendered(scene: mi.Scene, settings: Settings, title: str) -> Result:
     """Render `scene` as `settings` say, showing how far it is, and tell what `auto` chose."""
     import mitsuba as mi
+    import numpy as np
 
+    from nephrite.plugins import kept
     from nephrite.rendering import progressive
 
-    integrator: Any = mi.load_dict(settings.integrator())
+    described = settings.integrator()
+    if settings.model == "transport" and settings.spp:  # the passes of a picture are parts of it
+        pixels = int(np.prod(scene.sensors()[0].film().crop_size()))
+        described["walks"] = kept.walks_for(pixels * settings.spp)
+    integrator: Any = mi.load_dict(described)
     with progress.shown(title) as listen:
         result = progressive.render(
             scene,

@@ -17,7 +17,7 @@ from nephrite.plugins.exits import unblocked
 _STEPS = sequence.steps(2)
 
 
-def direct(scene: Any, at: Any, sensitivity: Any, count: int) -> list[Any]:
+def direct(scene: Any, at: Any, sensitivity: Any, count: int, seed: int) -> list[Any]:
     """Return what `count` connections to lights bring to every point of `at`: see `_arrived`.
 
     `sensitivity(i, cosine)`: how much light at that angle counts at point i, a density over the projected solid angle.
@@ -25,7 +25,7 @@ def direct(scene: Any, at: Any, sensitivity: Any, count: int) -> list[Any]:
     """
     width = dr.width(at.p)
     sampler = mi.load_dict({"type": "independent"})
-    sampler.seed(0, width)
+    sampler.seed(seed, width)
     shift = sampler.next_2d()
     lane = dr.arange(mi.UInt32, width * count)
     node, turn = lane // count, mi.Float(lane % count)
@@ -37,12 +37,14 @@ def direct(scene: Any, at: Any, sensitivity: Any, count: int) -> list[Any]:
     return _arrived(value, ds.d, here.n, node, width, count)
 
 
-def indirect(s: Any, scene: Any, media: Any, at: Any, sensitivity: Any, count: int) -> list[Any]:
+def indirect(
+    s: Any, scene: Any, media: Any, at: Any, sensitivity: Any, count: int, seed: int
+) -> list[Any]:  # fmt: skip
     """Return what `count` paths from every point of `at` find that no connection does; `s` hides the emitters."""
     width = dr.width(at.p)
     node = dr.arange(mi.UInt32, width * count) // count
     sampler = mi.load_dict({"type": "independent"})
-    sampler.seed(1, width * count)
+    sampler.seed(seed, width * count)
     here = dr.gather(type(at), at, node)
     local = mi.warp.square_to_cosine_hemisphere(sampler.next_2d())
     ray = here.spawn_ray(mi.Frame3f(here.n).to_world(local))

@@ -27,7 +27,7 @@ class Settings:
 
     def __init__(
         self, model: str, exit: str, terms: tuple[str, ...], max_depth: int, rr_depth: int, max_steps: int,
-        hide_emitters: bool, profiles: tuple[measured.MeasuredProfile, ...], thickness: float, walks: int,
+        hide_emitters: bool, profiles: tuple[measured.MeasuredProfile, ...], thickness: float, walks: int | None,
     ) -> None:  # fmt: skip
         """Hold checked values."""
         self.model, self.exit = model, exit
@@ -76,9 +76,9 @@ def read(props: Any) -> Settings:
         hide_emitters=bool(props.get("hide_emitters", False)),
         profiles=() if profile is None else _profiles(str(profile)),
         thickness=math.inf if thickness is None else float(thickness),
-        walks=_count(
-            props, "walks", 1_500_000, 1, "the number of walks per object that transport is made of"
-        ),
+        walks=_count(props, "walks", 1, 1, "the number of walks per object that transport is made of")
+        if "walks" in props
+        else None,
     )
 
 

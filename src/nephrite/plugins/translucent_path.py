@@ -6,6 +6,7 @@ from typing import Any
 
 import drjit as dr
 import mitsuba as mi
+import numpy as np
 
 from nephrite.errors import VariantError
 from nephrite.plugins import auto, camera, path, settings
@@ -35,7 +36,8 @@ class TranslucentPath(mi.SamplingIntegrator):
        - For ``multipole``: thickness of the plate or sheet in mm; see the BSDF's ``unit``. (Default: without end)
      * - walks
        - |int|
-       - For ``transport``: walks per object that it is precomputed from. (Default: 1500000)
+       - For ``transport``: walks per object that it is precomputed from. (Default: by the number of samples, from 1
+         to 4 million)
      * - terms
        - |string|
        - ``all``, or a sum of ``reduced``, ``single`` and ``multiple``: the paths that scatter in media never,
@@ -95,7 +97,8 @@ class TranslucentPath(mi.SamplingIntegrator):
     ) -> Any:  # fmt: skip
         """Render an image; each lane traces many paths, one after the other, so that none waits for the longest."""
         sensor = scene.sensors()[sensor] if isinstance(sensor, int) else sensor
-        media = self._survey(scene)
+        samples = int(np.prod(sensor.film().crop_size())) * (spp or sensor.sampler().sample_count())
+        media = self._survey(scene, samples, int(seed))
         with dr.suspend_grad():
             source = camera.Camera(sensor, spp, seed)
             result = path.trace(self.settings, scene, media, source.sampler, source)
@@ -111,7 +114,7 @@ class TranslucentPath(mi.SamplingIntegrator):
                 dr.eval(image)
         return image
 
-    def _survey(self, scene: Any) -> Media:
+    def _survey(self, scene: Any, samples: int = 0, seed: int = 0) -> Media:
         media = Media.of(scene)
         s = self.settings
         self.choices = auto.choose(s.model, media, scene, profiles=s.profiles, thickness=s.thickness)
@@ -123,7 +126,7 @@ class TranslucentPath(mi.SamplingIntegrator):
                 self._balance = (key, media.balance)
             media.balance = self._balance[1]
         with dr.suspend_grad():
-            self.choices = self._kept.prepare(s, scene, media, self.choices)
+            self.choices = self._kept.prepare(s, scene, media, self.choices, samples, seed)
         return media
 
     def _report(self, result: path.Result) -> None:
