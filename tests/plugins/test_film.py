@@ -1,5 +1,7 @@
 """What ends up on the film: AOVs, filters, crops, alpha, hidden emitters, sample counts, seeds."""
 
+import gc
+
 import drjit as dr
 import mitsuba as mi
 import numpy as np
@@ -125,3 +127,20 @@ def test_the_steps_are_those_of_the_r_sequence():
     assert sequence.steps(2) == pytest.approx(
         [0.7548776662466927, 0.5698402909980532]
     )  # the plastic number's
+
+
+@pytest.mark.parametrize("model", ["walk", "dipole"])
+def test_one_kernel_renders_all_passes_of_a_picture(model):
+    """Whatever their samples and seeds, and wherever memory is: to compile it takes longer than many a pass."""
+    gc.collect()  # objects that other tests have left behind are parts of kernels, as long as they are there
+    scene = mi.load_dict(scenes.trial(scenes.TRIALS[0]))
+    integrator = mi.load_dict(scenes.ours(model=model))
+    found = set()
+    with dr.scoped_set_flag(dr.JitFlag.KernelHistory, True):
+        for seed, spp in enumerate((1, 2, 8, 3, 70, 1, 1)):
+            dr.kernel_history_clear()
+            mi.render(scene, integrator=integrator, spp=spp, seed=seed).numpy()
+            history = [k for k in dr.kernel_history() if k["type"] == dr.KernelType.JIT]
+            found.add(max(history, key=lambda k: k["operation_count"])["hash"])
+        dr.kernel_history_clear()
+    assert len(found) == 1

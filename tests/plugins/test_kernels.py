@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from nephrite.bssrdf import kernel
-from nephrite.plugins.kernels import HalfSpaces
+from nephrite.plugins.kernels import HalfSpaces, _flat
 from nephrite.profiles import MODELS
 
 
@@ -63,3 +63,12 @@ def test_jumps_draw_distances_that_their_density_states():
     )
     inside = np.where(r < 3.0, 1 / flat, 0)
     assert float(inside.mean()) == pytest.approx(np.pi * 9, abs=4 * float(inside.std()) / count**0.5)
+
+
+def test_a_vectors_table_is_aligned_and_whole():
+    """Dr.Jit gathers vectors at once from there; from elsewhere by another kernel, which chance has compiled anew."""
+    tables = [np.arange(12.0).reshape(3, 4), np.arange(8.0)]
+    for _ in range(5):
+        found = np.array(_flat(tables), copy=False)
+        assert found.ctypes.data % 64 == 0
+        assert np.array_equal(found, [*range(12), *range(8)])

@@ -36,7 +36,7 @@ class Camera:
 
     repeats = True
 
-    def __init__(self, sensor: Any, spp: int, seed: Any) -> None:
+    def __init__(self, sensor: Any, spp: int, seed: int) -> None:
         """Lay out the lanes for `spp` samples a pixel (0: as the sensor's sampler says)."""
         self.sensor, self.film = sensor, sensor.film()
         self.film.prepare([])
@@ -56,12 +56,14 @@ class Camera:
             raise ValueError(f"spp is {spp}: too many samples for one pass, render several and average them.")
         self.sampler = mi.load_dict({"type": "independent"})
         self.sampler.seed(seed, lanes)
+        # numbers that are no part of the kernel: one serves for all of spp
+        count, each, rest = (dr.opaque(mi.UInt32, n) for n in (groups, spp // groups, spp % groups))
         index = dr.arange(mi.UInt32, lanes)
-        group = index % groups
-        pixel = index // groups
+        pixel = index // count
+        group = index - pixel * count
         self.pixel = mi.Point2u(pixel % size[0], pixel // size[0])
-        self.budget = mi.UInt32(spp // groups) + dr.select(group < spp % groups, mi.UInt32(1), mi.UInt32(0))
-        self.even = sequence.OfPixels(pixel, group, groups, seed)
+        self.budget = each + dr.select(group < rest, mi.UInt32(1), mi.UInt32(0))
+        self.even = sequence.OfPixels(pixel, group, count, seed)
         self.first = dr.zeros(mi.Ray3f, lanes)
         self.active = self.budget > 0
 

@@ -27,10 +27,10 @@ def steps(dimensions: int) -> list[float]:
 class OfPixels:
     """A sequence for the paths of each `pixel`, which lanes share: each has every `turns`-th, beginning with `turn`."""
 
-    def __init__(self, pixel: Any, turn: Any, turns: int, seed: Any) -> None:
+    def __init__(self, pixel: Any, turn: Any, turns: Any, seed: int) -> None:
         """Draw the numbers that move it."""
-        own: Any = mi.UInt32(seed) * _DIMENSIONS
-        self.turn, self.turns = turn, dr.opaque(mi.UInt32, turns)
+        own: Any = dr.opaque(mi.UInt32, seed) * _DIMENSIONS
+        self.turn, self.turns = turn, turns
         self._moved = [mi.sample_tea_32(pixel, own + i)[0] for i in range(_DIMENSIONS)]
         self._steps = [round(2**32 * step) for step in steps(_DIMENSIONS)]
         dr.eval(self._moved)

@@ -98,7 +98,8 @@ class TranslucentPath(mi.SamplingIntegrator):
         """Render an image; each lane traces many paths, one after the other, so that none waits for the longest."""
         sensor = scene.sensors()[sensor] if isinstance(sensor, int) else sensor
         samples = int(np.prod(sensor.film().crop_size())) * (spp or sensor.sampler().sample_count())
-        media = self._survey(scene, samples, int(seed))
+        seed = int(mi.UInt32(seed)[0])
+        media = self._survey(scene, samples, seed)
         with dr.suspend_grad():
             source = camera.Camera(sensor, spp, seed)
             result = path.trace(self.settings, scene, media, source.sampler, source)
