@@ -22,7 +22,7 @@ PASS_SECONDS = 1.0
 def floor_power(number: float) -> int:
     """Return the largest power of two up to `number`, at least 1.
 
-    Mitsuba's own integrators have one kernel for all numbers of samples that are powers of two, another one for the rest.
+    Mitsuba's own integrators have one kernel for all powers of two, and another one for each other number.
     """
     return 1 << (max(1, int(number)).bit_length() - 1)
 
