@@ -93,13 +93,13 @@ def sums(
     inside = mask[..., None].astype(np.float64)
     values = [x * inside for x in (picture.mean, truth.mean, picture.error**2, truth.error**2)]
     if block is None:
-        sums = [x.sum(axis=(0, 1))[None] for x in values]
+        found = [x.sum(axis=(0, 1))[None] for x in values]
     else:
         keep = _blocks(inside, block)[..., 0] >= _COVERAGE * block * block
         if not keep.any():
             keep[...] = True
-        sums = [_blocks(x, block)[keep] for x in values]
-    return sums[0], sums[1], sums[2], sums[3]
+        found = [_blocks(x, block)[keep] for x in values]
+    return found[0], found[1], found[2], found[3]
 
 
 def block_map(picture: Estimate, truth: Estimate, mask: NDArray[np.bool_], block: int = MAP_BLOCK) -> Floats:

@@ -24,10 +24,10 @@ from nephrite.plugins.shapes import mean_chord
 CLEAR = 0.03
 """Scattering optical thickness below which a medium counts as clear: its square bounds what is left out."""
 
-DENSE = 65.0
+DENSE = 44.0
 """Reduced optical thickness, in the clearest channel, above which a medium counts as dense: the atlas' rule for 5 %."""
 
-LIGHT = 0.02
+LIGHT = 0.993
 """Reduced albedo, in the darkest channel, above which that rule holds."""
 
 THIN = 4.0
