@@ -50,11 +50,9 @@ def lead(one: Estimate, other: Estimate, truth: Estimate, mask: NDArray[np.bool_
     return float((values.mean(axis=0) / scale).mean()), float(np.sqrt((spread**2).sum()) / len(spread))
 
 
-def is_open(
-    pictures: Mapping[str, Estimate], truth: Estimate, mask: NDArray[np.bool_], sure: float = SURE
-) -> bool:
+def is_open(pictures: Mapping[str, Estimate], truth: Estimate, mask: NDArray[np.bool_]) -> bool:
     """Whether noise leaves it open if `CHAMPION` or one of `RIVALS` is nearer; False where one is missing."""
     if CHAMPION not in pictures:
         return False
     leads = [lead(pictures[CHAMPION], pictures[rival], truth, mask) for rival in RIVALS if rival in pictures]
-    return any(abs(value) < sure * error for value, error in leads)
+    return any(abs(value) < SURE * error for value, error in leads)

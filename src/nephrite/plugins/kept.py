@@ -1,8 +1,7 @@
 """Keeps precomputed transport between renders: T while the objects stay what they are, V while nothing else changes.
 
 T's noise stays in the picture, however many samples it has. So T is made of the more walks the more samples are asked
-for: with a walk for some samples, both have their share of the time and of the noise (the least noise in a time has one
-for 6 on benchmark scene B1).
+for: with a walk for some samples, both have their share of the time and of the noise.
 """
 
 from __future__ import annotations

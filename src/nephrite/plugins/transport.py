@@ -30,7 +30,7 @@ CONNECTIONS, PATHS = 128, 8  # per node
 ROUNDS = 3  # of light between surfaces, after that of the lamps
 _LEAST_SECOND = 0.1  # of what scatters twice in the mean of all nodes: below, noise would be divided by it
 _AT_ONCE = 1 << 20  # walks
-_SEEDS = 1 << 10  # between those of two renders: more than walks are made in turns
+_SEEDS = 1 << 10  # that a render has for itself: more than walks are made in turns
 
 
 @dataclass
@@ -53,7 +53,7 @@ class Transport:
 
     def __init__(self, scene: Any, members: list[tuple[Any, Any]], walks: int, seed: int = 0) -> None:
         """Lay nodes on `members`, pairs of `media.Entry` and shape, and start about `walks` walks on each shape."""
-        self.walks, self._seed = walks, seed
+        self.walks, self._seed = walks, _SEEDS * seed % 2**32
         layouts = [lay(entry, shape, scene) for entry, shape in members]
         self.lookup = Lookup(members, layouts)
         self.surfaces: list[Surface] = []
@@ -71,7 +71,7 @@ class Transport:
         parts, second, lost = [], 0.0, 0.0
         for turn, begun in enumerate(range(0, each, most)):
             count = len(points) * min(most, each - begun)
-            ends = walked.walk(scene, _SEEDS * self._seed + turn, entry, at, shape, count)
+            ends = walked.walk(scene, self._seed + turn, entry, at, shape, count)
             parts.append(self._between_nodes(ends, number))
             twice = np.array(ends.twice)
             second += twice.reshape(len(twice), -1, len(points)).sum(axis=1).T / each
@@ -99,12 +99,12 @@ class Transport:
         s = copy.copy(settings)
         s.hide_emitters = s.reduced = s.single = s.multiple = True
         s.max_depth = s.max_depth if s.max_depth == NO_LIMIT else s.max_depth - 1
-        at, sensitivity, seed = self.lookup.at, self.lookup.sensitivity, 2 * self._seed
-        connected = gathered.direct(scene, at, sensitivity, CONNECTIONS, seed)
+        at, sensitivity = self.lookup.at, self.lookup.sensitivity
+        connected = gathered.direct(scene, at, sensitivity, CONNECTIONS, self._seed)
         seen, before, last = self._carry(connected), np.zeros(()), np.zeros(())
         for _ in range(ROUNDS):
             self._put(seen)
-            found = gathered.indirect(s, scene, media, at, sensitivity, PATHS, seed + 1)
+            found = gathered.indirect(s, scene, media, at, sensitivity, PATHS, self._seed + 1)
             now = self._carry([a + b for a, b in zip(connected, found, strict=True)])
             before, last, seen = last, now - seen, now
         # the same random numbers in each round make it a geometric series, nearly: here is the rest of it
