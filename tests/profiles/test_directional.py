@@ -141,21 +141,23 @@ def test_drjit_vectors_and_numpy_give_the_same_and_derivatives(kind):
     arrays = (x_i, n_i, w_i, x_o, n_o, w_o)
     expected = kind(0.05, 1.0, 1.3, 0.2).eval(*arrays)
     vectors = [Array3f64(v.T) for v in arrays]
-    sigma_a, sigma_s = Float64(0.05), Float64(1.0)
-    dr.enable_grad(sigma_a, sigma_s, vectors[3])
-    value = kind(sigma_a, sigma_s, 1.3, 0.2).eval(*vectors)
+    numbers = kind(0.05, 1.0, 1.3, 0.2).eval(*vectors)
     np.testing.assert_allclose(
-        value.numpy(), expected, rtol=1e-7
+        numbers.numpy(), expected, rtol=1e-7
     )  # Fresnel's index is in single precision there
+    medium = {"sigma_a": Float64(0.05), "sigma_s": Float64(1.0), "eta": Float64(1.3), "g": Float64(0.2)}
+    dr.enable_grad(list(medium.values()), vectors[3])
+    value = kind(*medium.values()).eval(*vectors)
+    np.testing.assert_allclose(value.numpy(), expected, rtol=1e-12)
     dr.backward(dr.sum(value))
 
-    def total(sigma_a=0.05, sigma_s=1.0, shift=0.0):
+    def total(sigma_a=0.05, sigma_s=1.0, eta=1.3, g=0.2, shift=0.0):
         moved = x_o + np.array([shift, 0.0, 0.0])
-        return float(np.sum(kind(sigma_a, sigma_s, 1.3, 0.2).eval(x_i, n_i, w_i, moved, n_o, w_o)))
+        return float(np.sum(kind(sigma_a, sigma_s, eta, g).eval(x_i, n_i, w_i, moved, n_o, w_o)))
 
     for found, name, at in (
-        (dr.grad(sigma_a)[0], "sigma_a", 0.05), (dr.grad(sigma_s)[0], "sigma_s", 1.0),
+        *((dr.grad(x)[0], name, x[0]) for name, x in medium.items()),
         (dr.sum(dr.grad(vectors[3]).x)[0], "shift", 0.0),
-    ):  # fmt: skip
+    ):
         slope = (total(**{name: at + 1e-6}) - total(**{name: at - 1e-6})) / 2e-6
         assert found == pytest.approx(slope, rel=1e-5)

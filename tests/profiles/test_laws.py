@@ -166,17 +166,16 @@ def test_derivatives_match_finite_differences(make):
     import drjit as dr
     from drjit.llvm.ad import Float64
 
-    start, step = (0.15, 1.1), 1e-5
+    start, step = (0.15, 1.1, 1.3, 0.5), 1e-5
     for name, arguments in CALLS.items():
         if name == "reach":
             continue
 
         def value(parameters, name=name):
-            profile = make(parameters[0], parameters[1], 1.3, 0.5)
-            return getattr(profile, name)(*parameters[2:])
+            return getattr(make(*parameters[:4]), name)(*parameters[4:])
 
         point = [*start, *arguments]
-        if name == "sample" and value(point) != value([*point[:3], 0.9]):
+        if name == "sample" and value(point) != value([*point[:5], 0.9]):
             continue  # the choice between parts has no derivative
         expected = []
         for i in range(len(point)):
@@ -188,6 +187,41 @@ def test_derivatives_match_finite_differences(make):
         dr.backward(value(variables))
         found = [dr.grad(x)[0] for x in variables]
         np.testing.assert_allclose(found, expected, rtol=5e-4, atol=1e-6, err_msg=name)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_derivatives_are_those_upwards_where_tables_begin(name):
+    """At g = 0; and near eta = 1, where Fresnel's factors bend."""
+    import drjit as dr
+    from drjit.llvm.ad import Float64
+
+    make, step = MODELS[name].make, 1e-5
+    for index, point in ((3, [0.15, 1.1, 1.3, 0.0]), (2, [0.15, 1.1, 1.001, 0.3])):
+        number = Float64(point[index])
+        dr.enable_grad(number)
+        varied = [*point[:index], number, *point[index + 1 :]]
+        value = make(*varied).eval(0.7)
+        if index == 3 and name in ("dipole", "better_dipole", "multipole"):
+            assert not dr.is_array_v(value)  # they know of no g
+            continue
+        dr.backward(value)
+        values = []
+        for k in range(3):
+            varied[index] = point[index] + k * step
+            values.append(make(*varied).eval(0.7))
+        slope = (4.0 * values[1] - values[2] - 3.0 * values[0]) / (2.0 * step)
+        assert dr.grad(number)[0] == pytest.approx(slope, rel=1e-3, abs=1e-7)
+
+
+def test_an_index_belongs_to_a_material():
+    from drjit.llvm.ad import Float64
+
+    for name, model in MODELS.items():
+        with pytest.raises(ParameterError, match=r"eta is \[1.3, 1.5\]"):
+            model.make(0.1, 1.0, Float64(1.3, 1.5))
+        if name not in ("dipole", "better_dipole", "multipole"):
+            with pytest.raises(ParameterError, match=r"g is \[0.0, 0.5\]"):
+                model.make(0.1, 1.0, 1.3, Float64(0.0, 0.5))
 
 
 class OnlyValues(RadialProfile):

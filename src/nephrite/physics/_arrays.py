@@ -39,6 +39,12 @@ def namespace(*values: Any) -> Any:
     return _NumPy
 
 
+def root(value: Any) -> Any:
+    """Square root of a value >= 0 whose derivative at 0 is 0, not infinite."""
+    xp = namespace(value)
+    return xp.select(value > 0.0, xp.sqrt(xp.maximum(value, 1e-30)), 0.0)
+
+
 def plain(value: Any) -> Any:
     """Turn a NumPy result without axes into a Python float; leave everything else alone."""
     return float(value) if isinstance(value, (np.floating, np.ndarray)) and np.ndim(value) == 0 else value

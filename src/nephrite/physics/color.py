@@ -27,6 +27,7 @@ from numpy.polynomial import chebyshev
 from nephrite.errors import ParameterError
 from nephrite.physics import color_halfspace, color_interface
 from nephrite.physics._arrays import namespace, plain
+from nephrite.physics._lift import checked, lift
 from nephrite.physics.fresnel import check_eta
 from nephrite.physics.inversion import medium_from_falloff
 from nephrite.physics.phase import check_g
@@ -144,9 +145,13 @@ def from_color_and_radius(
     return medium_from_falloff([of.falloff(channel) for channel in colors], radius, of.g, of.eta)
 
 
-def color_map(eta: float, g: float = 0.0, alpha: float = 0.0) -> ColorMap:
-    """Return the map for a surface; computed once for each. Raises `ParameterError` for what cannot be."""
-    return _color_map(check_eta(eta), check_g(g), _check_alpha(alpha))
+def color_map(eta: Any, g: Any = 0.0, alpha: float = 0.0) -> ColorMap:
+    """Return the map for a surface; computed once for each. Raises `ParameterError` for what cannot be.
+
+    Derivatives pass through `eta` and `g` where these are Dr.Jit arrays, of one entry.
+    """
+    alpha = _check_alpha(alpha)
+    return lift(lambda *at: _color_map(*at, alpha), checked(check_eta, eta), checked(check_g, g))
 
 
 @lru_cache(maxsize=512)

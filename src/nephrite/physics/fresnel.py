@@ -14,6 +14,7 @@ import numpy as np
 
 from nephrite.errors import ParameterError
 from nephrite.physics._arrays import namespace, plain
+from nephrite.physics._lift import checked, lift
 
 __all__ = [
     "boundary_factor",
@@ -81,18 +82,22 @@ def reflectance(cos_theta: Any, eta: Any) -> Any:
     return plain(xp.select((squared <= 0.0) & (relative < 1.0) | grazing, 1.0, partial))
 
 
-@lru_cache(maxsize=512)
-def moment(order: int, eta: float) -> float:
+def moment(order: int, eta: Any) -> Any:
     """Moment of the reflectance that light *inside* meets: integral over [0, 1] of F(mu) mu^order d mu.
 
     `eta` is, as in d'Eon and Irving (2011), the index of the side that the light comes from divided by the
     other: `moment(1, eta)` is their C1(eta) (internal reflection for eta > 1), `moment(1, 1/eta)` looks from
     the outside. Gauss-Legendre quadrature in the cosine on the denser side, where F is smooth; the part that
-    is totally reflected is exact. Cached. Raises `ParameterError` for an order below 0 or a bad `eta`.
+    is totally reflected is exact. Cached. `eta` is a number, as for all moments, or a Dr.Jit array of one entry,
+    through which derivatives pass. Raises `ParameterError` for an order below 0 or a bad `eta`.
     """
-    eta = check_eta(eta)
     if order < 0:
         raise ParameterError(f"order is {order}, but only the moments 0, 1, 2, ... are defined here.")
+    return lift(lambda number: _moment(order, number), checked(check_eta, eta))
+
+
+@lru_cache(maxsize=512)
+def _moment(order: int, eta: float) -> float:
     if eta == 1.0:
         return 0.0
     nodes, weights = np.polynomial.legendre.leggauss(_NODES)
@@ -109,27 +114,27 @@ def moment(order: int, eta: float) -> float:
     return float(critical ** (order + 1) / (order + 1) + partial)
 
 
-def c1(eta: float) -> float:
+def c1(eta: Any) -> Any:
     """First moment C1 of d'Eon and Irving (2011): `moment(1, eta)`; their fit is 2 C1."""
-    return moment(1, float(eta))
+    return moment(1, eta)
 
 
-def c2(eta: float) -> float:
+def c2(eta: Any) -> Any:
     """Second moment C2 of d'Eon and Irving (2011): `moment(2, eta)`; their fit is 3 C2."""
-    return moment(2, float(eta))
+    return moment(2, eta)
 
 
-def external_diffuse_reflectance(eta: float) -> float:
+def external_diffuse_reflectance(eta: Any) -> Any:
     """Share of diffuse light that the surface reflects outside: 2 C1(1/eta); .0611 at 1.3, .0918 at 1.5."""
-    return 2.0 * moment(1, 1.0 / check_eta(eta))
+    return 2.0 * moment(1, 1.0 / checked(check_eta, eta))
 
 
-def internal_diffuse_reflectance(eta: float) -> float:
+def internal_diffuse_reflectance(eta: Any) -> Any:
     """Share of diffuse light from inside that is reflected back in: 2 C1(eta); .444 at 1.3, .596 at 1.5."""
-    return 2.0 * moment(1, check_eta(eta))
+    return 2.0 * moment(1, eta)
 
 
-def lobe_normalization(eta: float) -> float:
+def lobe_normalization(eta: Any) -> Any:
     """The c of the exit lobe `Sw(w) = (1 - F(cos w)) / (c pi)`: 1 - external diffuse reflectance.
 
     With it the lobe's cosine-weighted integral over the outer hemisphere is 1, so that nothing is lost or
@@ -138,7 +143,7 @@ def lobe_normalization(eta: float) -> float:
     return 1.0 - external_diffuse_reflectance(eta)
 
 
-def fdr(eta: float) -> float:
+def fdr(eta: Any) -> Any:
     """Average internal reflectance Fdr of the dipole (Jensen et al. 2001, section 2.3), by quadrature.
 
     The same integral as `internal_diffuse_reflectance`, under the name that the diffusion literature uses;
@@ -158,7 +163,7 @@ def fdr_fit(eta: float) -> float:
     return -1.440 / eta**2 + 0.710 / eta + 0.668 + 0.0636 * eta
 
 
-def boundary_factor(eta: float) -> float:
+def boundary_factor(eta: Any) -> Any:
     """The dipole's A = (1 + Fdr) / (1 - Fdr) (Jensen et al. 2001, section 2.3); 1 at a matched surface."""
     average = fdr(eta)
     return (1.0 + average) / (1.0 - average)

@@ -13,7 +13,7 @@ A profile R(r) is the light that leaves a flat half-space at the distance r from
 Parameters and arguments are floats, NumPy or Dr.Jit arrays that broadcast against each other; lengths are in the
 unit that the coefficients have. With Dr.Jit arrays everything is differentiable in the arguments and the parameters,
 `sample` too, but for the choice between its parts that some models make by a second number. Indices of refraction and
-g are plain numbers: they belong to a material, not to a point.
+g belong to a material, not to a point: each is a number, or for derivatives a Dr.Jit array of one entry.
 
 A model must define `eval` and `reach`; what it has in closed form, it overrides. The rest comes from
 `nephrite.profiles.quadrature`, exact to 3e-5 of the albedo.
@@ -86,7 +86,7 @@ class RadialProfile(ABC):
 class Make(Protocol):
     """How a profile comes from a medium under a smooth interface."""
 
-    def __call__(self, sigma_a: Any, sigma_s_prime: Any, eta: float, g: float = 0.0) -> RadialProfile:
+    def __call__(self, sigma_a: Any, sigma_s_prime: Any, eta: Any, g: Any = 0.0) -> RadialProfile:
         """Build the profile for absorption and *reduced* scattering (1/length), eta = inside / outside."""
         ...
 

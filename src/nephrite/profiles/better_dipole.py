@@ -13,6 +13,7 @@ import math
 from typing import Any
 
 from nephrite.physics._arrays import namespace, plain
+from nephrite.physics._lift import alike
 from nephrite.physics.fresnel import c1, c2
 from nephrite.profiles._poles import LEAST_EXTINCTION, fluence, fluence_beyond, flux, flux_beyond
 from nephrite.profiles.base import Model, RadialProfile
@@ -26,8 +27,9 @@ class BetterDipole(RadialProfile):
     `eta`: inside / outside, a number. The closed forms are this package's: d'Eon gives the profile.
     """
 
-    def __init__(self, sigma_a: Any, sigma_s_prime: Any, eta: float) -> None:
+    def __init__(self, sigma_a: Any, sigma_s_prime: Any, eta: Any) -> None:
         """Derive the depths of the poles and the factors of flux and fluence (d'Eon 2012, section 3)."""
+        sigma_a = alike(sigma_a, eta)
         xp = namespace(sigma_a, sigma_s_prime)
         sigma_t_prime = xp.maximum(sigma_a + sigma_s_prime, LEAST_EXTINCTION)
         diffusion = (2.0 * sigma_a + sigma_s_prime) / sigma_t_prime / (3.0 * sigma_t_prime)
@@ -68,7 +70,7 @@ class BetterDipole(RadialProfile):
         return plain(1.0 - beyond / namespace(beyond, whole).maximum(whole, 1e-30))
 
 
-def make(sigma_a: Any, sigma_s_prime: Any, eta: float, g: float = 0.0) -> BetterDipole:
+def make(sigma_a: Any, sigma_s_prime: Any, eta: Any, g: Any = 0.0) -> BetterDipole:
     """Build the better dipole; it knows of `g` only what is in the reduced scattering."""
     return BetterDipole(sigma_a, sigma_s_prime, eta)
 

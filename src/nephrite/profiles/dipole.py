@@ -12,6 +12,7 @@ import math
 from typing import Any
 
 from nephrite.physics._arrays import namespace, plain
+from nephrite.physics._lift import alike
 from nephrite.physics.fresnel import boundary_factor
 from nephrite.profiles._poles import LEAST_EXTINCTION
 from nephrite.profiles.base import Model, RadialProfile
@@ -30,7 +31,8 @@ class StandardDipole(RadialProfile):
 
     def __init__(self, sigma_a: Any, sigma_s_prime: Any, boundary: Any) -> None:
         """Derive the depths of the poles (Jensen et al. 2001, section 2.3)."""
-        xp = namespace(sigma_a, sigma_s_prime, boundary)
+        sigma_a = alike(sigma_a, boundary)
+        xp = namespace(sigma_a, sigma_s_prime)
         sigma_t_prime = xp.maximum(sigma_a + sigma_s_prime, LEAST_EXTINCTION)
         self.albedo_prime = plain(sigma_s_prime / sigma_t_prime)
         self.sigma_tr = plain(xp.sqrt(3.0 * sigma_a) * xp.sqrt(sigma_t_prime))
@@ -95,7 +97,7 @@ class StandardDipole(RadialProfile):
         return plain(r * terms / xp.maximum(real + virtual, 1e-30))
 
 
-def make(sigma_a: Any, sigma_s_prime: Any, eta: float, g: float = 0.0) -> StandardDipole:
+def make(sigma_a: Any, sigma_s_prime: Any, eta: Any, g: Any = 0.0) -> StandardDipole:
     """Build the dipole under an interface; it knows of `g` only what is in the reduced scattering."""
     return StandardDipole(sigma_a, sigma_s_prime, boundary_factor(eta))
 

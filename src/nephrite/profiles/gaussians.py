@@ -17,6 +17,9 @@ import numpy as np
 
 from nephrite.errors import ParameterError
 from nephrite.physics._arrays import namespace, plain
+from nephrite.physics._lift import alike, checked, lift
+from nephrite.physics.fresnel import check_eta
+from nephrite.physics.phase import check_g
 from nephrite.profiles import photon_beam
 from nephrite.profiles._poles import LEAST_EXTINCTION
 from nephrite.profiles.base import Model, RadialProfile
@@ -120,11 +123,12 @@ def _table(eta: float, g: float) -> tuple[tuple[float, ...], ...]:
     return tuple(zip(*rows, strict=True))
 
 
-def make(sigma_a: Any, sigma_s_prime: Any, eta: float, g: float = 0.0) -> GaussianSum:
+def make(sigma_a: Any, sigma_s_prime: Any, eta: Any, g: Any = 0.0) -> GaussianSum:
     """Build the sum that fits photon beam diffusion; at most 8 % (L1) from it, more where nothing is absorbed.
 
     Each pair of `eta` and `g` is fitted once, which takes a moment.
     """
+    sigma_a = alike(sigma_a, eta, g)
     xp = namespace(sigma_a, sigma_s_prime)
     sigma_t_prime = xp.maximum(sigma_a + sigma_s_prime, LEAST_EXTINCTION)
     absorbed = xp.minimum(sigma_a / sigma_t_prime, 1.0)
@@ -134,7 +138,7 @@ def make(sigma_a: Any, sigma_s_prime: Any, eta: float, g: float = 0.0) -> Gaussi
         tent = xp.minimum((root - before) / (here - before), (after - root) / (after - here))
         near.append(xp.maximum(tent, 0.0))
     weights = []
-    for of_rows in _table(float(eta), float(g)):
+    for of_rows in lift(_table, checked(check_eta, eta), checked(check_g, g)):
         weights.append(plain(sum(share * weight for share, weight in zip(near, of_rows, strict=True))))
     mfp = 1.0 / sigma_t_prime
     return GaussianSum(weights, [plain((deviation * mfp) * (deviation * mfp)) for deviation in DEVIATIONS])

@@ -104,7 +104,7 @@ class MeasuredProfile(RadialProfile):
 def model(profile: MeasuredProfile) -> Model:
     """Return the profile as a model, whatever the coefficients."""
 
-    def make(sigma_a: Any, sigma_s_prime: Any, eta: float, g: float = 0.0) -> MeasuredProfile:
+    def make(sigma_a: Any, sigma_s_prime: Any, eta: Any, g: Any = 0.0) -> MeasuredProfile:
         return profile
 
     return Model("measured", "Measured", "a CSV file", "single+multiple", make)

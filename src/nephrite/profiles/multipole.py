@@ -19,6 +19,7 @@ import math
 from typing import Any
 
 from nephrite.physics._arrays import namespace, plain
+from nephrite.physics._lift import alike
 from nephrite.physics.fresnel import boundary_factor
 from nephrite.profiles._poles import LEAST_EXTINCTION, decayed, flux, flux_beyond
 from nephrite.profiles.base import Model, RadialProfile
@@ -39,7 +40,8 @@ class Multipole(RadialProfile):
 
     def __init__(self, sigma_a: Any, sigma_s_prime: Any, boundary: Any, thickness: Any = math.inf) -> None:
         """Derive source and period (Donner and Jensen 2005, section 3)."""
-        xp = namespace(sigma_a, sigma_s_prime, boundary, thickness)
+        sigma_a = alike(sigma_a, boundary)
+        xp = namespace(sigma_a, sigma_s_prime, thickness)
         sigma_t_prime = xp.maximum(sigma_a + sigma_s_prime, LEAST_EXTINCTION)
         deep = xp.minimum(thickness * sigma_t_prime, _THICKEST)  # in mean free paths, as all until the end
         scattered = deep * decayed(deep)
@@ -110,9 +112,7 @@ def _mean_depth(thickness: Any) -> Any:
     return xp.select(small, thickness * (0.5 - thickness * (1.0 / 12.0)), closed)
 
 
-def make(
-    sigma_a: Any, sigma_s_prime: Any, eta: float, g: float = 0.0, thickness: Any = math.inf
-) -> Multipole:
+def make(sigma_a: Any, sigma_s_prime: Any, eta: Any, g: Any = 0.0, thickness: Any = math.inf) -> Multipole:
     """Build the profile of a slab's lit side; without a thickness, the standard dipole."""
     return Multipole(sigma_a, sigma_s_prime, boundary_factor(eta), thickness)
 

@@ -20,6 +20,7 @@ from typing import Any
 
 from nephrite.errors import unknown_name
 from nephrite.physics._arrays import namespace, plain
+from nephrite.physics._lift import alike
 from nephrite.physics.color import color_map
 from nephrite.profiles._poles import LEAST_EXTINCTION
 from nephrite.profiles.base import Model, RadialProfile
@@ -94,9 +95,10 @@ class NormalizedDiffusion(RadialProfile):
         return plain(xp.maximum(r, 0.0))
 
 
-def make(sigma_a: Any, sigma_s_prime: Any, eta: float, g: float = 0.0) -> NormalizedDiffusion:
+def make(sigma_a: Any, sigma_s_prime: Any, eta: Any, g: Any = 0.0) -> NormalizedDiffusion:
     """Build the profile by the diffuse mean free path; `g` counts in the total only."""
     colors = color_map(eta, g)
+    sigma_a = alike(sigma_a, eta, g)
     xp = namespace(sigma_a, sigma_s_prime)
     sigma_t_prime = xp.maximum(sigma_a + sigma_s_prime, LEAST_EXTINCTION)
     share = sigma_a / sigma_t_prime

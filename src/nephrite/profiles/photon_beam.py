@@ -14,7 +14,8 @@ import math
 from typing import Any
 
 from nephrite.physics import phase
-from nephrite.physics._arrays import namespace, plain
+from nephrite.physics._arrays import namespace, plain, root
+from nephrite.physics._lift import alike, checked
 from nephrite.physics.fresnel import c1, c2, check_eta, reflectance
 from nephrite.physics.phase import check_g
 from nephrite.profiles._poles import LEAST_EXTINCTION, distance, fluence, flux
@@ -31,16 +32,17 @@ _CLOSEST = 1e-6  # mean free paths within which R stays as it is there
 class PhotonBeam(RadialProfile):
     """The profile of a medium with absorption `sigma_a` and reduced scattering `sigma_s_prime` (1/length).
 
-    `eta`: inside / outside, `g`: mean cosine of scattering, numbers: single scattering sees the medium as it is, not
+    `eta`: inside / outside, `g`: mean cosine of scattering: single scattering sees the medium as it is, not
     reduced. Its totals and radii are found by quadrature.
     """
 
     parts = _NODES
 
-    def __init__(self, sigma_a: Any, sigma_s_prime: Any, eta: float, g: float = 0.0) -> None:
+    def __init__(self, sigma_a: Any, sigma_s_prime: Any, eta: Any, g: Any = 0.0) -> None:
         """Derive the coefficients of diffusion (Habel et al. 2013, sections 3 and 4)."""
+        self.eta, self.g = checked(check_eta, eta), checked(check_g, g)
+        sigma_a = alike(sigma_a, eta, g)
         xp = namespace(sigma_a, sigma_s_prime)
-        self.eta, self.g = check_eta(eta), check_g(g)
         sigma_t_prime = xp.maximum(sigma_a + sigma_s_prime, LEAST_EXTINCTION)
         diffusion = (2.0 * sigma_a + sigma_s_prime) / sigma_t_prime / (3.0 * sigma_t_prime)
         diffusion = xp.maximum(diffusion, LEAST_EXTINCTION)
@@ -52,6 +54,7 @@ class PhotonBeam(RadialProfile):
         self.sigma_t = plain(xp.maximum(sigma_a + self.sigma_s, LEAST_EXTINCTION))
         self.image = plain(4.0 * (1.0 + 3.0 * second) / (1.0 - 2.0 * first) * diffusion)
         self.of_flux = 0.5 * (1.0 - 3.0 * second)
+        self.steepest = plain(root(namespace(self.eta).maximum(self.eta * self.eta - 1.0, 0.0)))
         self.of_fluence = plain(0.25 * (1.0 - 2.0 * first) / diffusion)
 
     def reach(self) -> Any:
@@ -91,7 +94,7 @@ class PhotonBeam(RadialProfile):
         xp = namespace(r, self.sigma_t, k)
         r = xp.maximum(r, _CLOSEST / self.sigma_t)
         z, weight = _depth(k, r, 1.0 / self.sigma_t)
-        z = z + r * math.sqrt(max(self.eta**2 - 1.0, 0.0))
+        z = z + r * self.steepest
         d = distance(r, z)
         cosine = z / d
         leaving = (1.0 - reflectance(-cosine, self.eta)) * cosine / (d * d)
@@ -108,7 +111,7 @@ def _depth(k: Any, r: Any, mfp: Any) -> tuple[Any, Any]:
     return z, step * z
 
 
-def make(sigma_a: Any, sigma_s_prime: Any, eta: float, g: float = 0.0) -> PhotonBeam:
+def make(sigma_a: Any, sigma_s_prime: Any, eta: Any, g: Any = 0.0) -> PhotonBeam:
     """Build the profile of a photon beam."""
     return PhotonBeam(sigma_a, sigma_s_prime, eta, g)
 

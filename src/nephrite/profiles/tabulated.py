@@ -19,6 +19,7 @@ import numpy as np
 
 from nephrite.errors import unknown_name
 from nephrite.physics._arrays import namespace, plain
+from nephrite.physics._lift import alike, checked, lift
 from nephrite.physics.fresnel import check_eta
 from nephrite.physics.phase import check_g
 from nephrite.profiles import tabulated_grid, tabulated_shape
@@ -38,7 +39,7 @@ class TabulatedProfile(RadialProfile):
     | parameter                 | meaning                                                                             |
     | ------------------------- | ----------------------------------------------------------------------------------- |
     | `sigma_a`, `sigma_s_prime`| 1/length; floats, NumPy or Dr.Jit arrays that broadcast                              |
-    | `eta`, `g`                | inside / outside, mean cosine: numbers; each pair is prepared once                   |
+    | `eta`, `g`                | inside / outside, mean cosine: each pair is prepared once                            |
     | `incidence`               | "diffuse" or "normal": how light enters                                              |
     | `orders`                  | "multiple" (scattered twice or more often) or "all"                                  |
 
@@ -50,8 +51,8 @@ class TabulatedProfile(RadialProfile):
         self,
         sigma_a: Any,
         sigma_s_prime: Any,
-        eta: float,
-        g: float = 0.0,
+        eta: Any,
+        g: Any = 0.0,
         incidence: str = "diffuse",
         orders: str = "multiple",
     ) -> None:
@@ -62,8 +63,10 @@ class TabulatedProfile(RadialProfile):
         ):
             if value not in known:
                 raise unknown_name(name, value, known)
+        eta, g = checked(check_eta, eta), checked(check_g, g)
+        self.grid = lift(lambda *at: tabulated_grid.grid(*at, incidence, orders), eta, g)
+        sigma_a = alike(sigma_a, eta, g)
         xp = namespace(sigma_a, sigma_s_prime)
-        self.grid = tabulated_grid.grid(check_eta(eta), check_g(g), incidence, orders)
         self.sigma_t_prime = plain(xp.maximum(sigma_a + sigma_s_prime, 1e-20))
         self.albedo_prime = plain(sigma_s_prime / self.sigma_t_prime)
         self.t = plain(
