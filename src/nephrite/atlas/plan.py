@@ -89,7 +89,7 @@ FULL = Plan(
     resolution=(96, 72),
     truth_spp=128,
     spp=32,
-    finer=(8, 64),
+    finer=(8, 64, 256),
     timed=True,
 )
 
