@@ -3,6 +3,9 @@
 Comparisons with the walk state the bias that is allowed; noise is below a third of it.
 """
 
+import gc
+
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
@@ -57,6 +60,25 @@ def test_nothing_is_lost_in_even_light():
     assert picture.mean() == pytest.approx(1.0, abs=0.015)
     blocks = picture.reshape(4, 4, 4, 4, 3).mean((1, 3))
     assert np.abs(blocks - 1).max() < 0.03
+
+
+def test_moved_lights_compile_nothing(viewer):
+    """Their places are no numbers in kernels: to compile those takes longer than the frame."""
+    lamp, found = viewer.light("lamp"), []
+    before = mi.Transform4f(lamp["to_world"])
+    for shift in (1.0, 2.0, 3.0):
+        gc.collect()  # objects that other tests have left behind are parts of kernels, as long as they are there
+        with dr.scoped_set_flag(dr.JitFlag.KernelHistory, True):
+            dr.kernel_history_clear()
+            lamp["to_world"] = mi.Transform4f().translate([shift, 0, 0]) @ before
+            lamp.update()
+            viewer.frame()
+            found.append({k["hash"] for k in dr.kernel_history() if k["type"] == dr.KernelType.JIT})
+            dr.kernel_history_clear()
+    lamp["to_world"] = before
+    lamp.update()
+    assert len(found[0]) > 5
+    assert found[2] <= found[0] | found[1]
 
 
 @pytest.mark.slow

@@ -11,6 +11,8 @@ import numpy as np
 
 from nephrite.errors import ParameterError
 
+_KEPT = dr.VarState.Evaluated
+
 
 class Lamp:
     """One light: a shape that emits, a point, a direction, or the environment.
@@ -34,6 +36,14 @@ class Lamp:
             found.update(str(name).encode())
             found.update(np.ascontiguousarray(np.array(value)).tobytes())
         return found.digest()
+
+    def settle(self) -> None:
+        """Put what has been set into memory: as a number in kernels, it would have them compiled for each new light."""
+        for name, value in self.parameters:
+            if getattr(getattr(value, "matrix", value), "state", _KEPT) != _KEPT:
+                dr.make_opaque(value)
+                self.parameters[name] = value
+        self.parameters.update()
 
     def sent(self, solid: Any, at: Any, u: Any) -> tuple[Any, Any]:
         """Sample what arrives at interactions: the direction to the light, and radiance over its density."""

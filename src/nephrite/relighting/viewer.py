@@ -120,6 +120,8 @@ class Viewer:
     def _gather(self) -> Arrived:
         """Return what arrives from all lights."""
         start = time.perf_counter()
+        for lamp in self._stage.lamps.values():
+            lamp.settle()
         states = {name: lamp.state() for name, lamp in self._stage.lamps.items()}
         changed = [name for name in states if states[name] != self._states.get(name)]
         for name in changed or states:
