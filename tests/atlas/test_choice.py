@@ -58,6 +58,14 @@ def test_the_rule_is_the_widest_region_that_is_right():
     assert found["worst"] == 0.05
 
 
+def test_the_rule_begins_at_its_own_pictures():
+    """Not at the thickness of another picture, which is too dark for it."""
+    found = rows(lambda thickness, albedo: 0.01 if thickness > 30.0 and albedo > 0.9 else 0.3)
+    rule = choice.rule([*found, row("fast", 30.0, 0.5, 0.3, 4.0)])
+    assert rule is not None
+    assert (rule["thickness"], rule["albedo"], rule["views"]) == (50.0, 0.95, 4)
+
+
 def test_no_rule_if_nothing_else_is_right_or_nothing_is_saved():
     assert choice.rule(rows(lambda thickness, albedo: 0.3)) is None
     slow = [dict(one, efficiency=0.5) if one["method"] == "fast" else one for one in rows(lambda t, a: 0.0)]

@@ -23,7 +23,7 @@ ALBEDOS = (0.0, 0.9, 0.99, 1.0)
 """Limits of the table's cells: mean chord in reduced mean free paths, reduced albedo."""
 
 _NOISY = 0.1  # a channel whose standard error is above this says nothing
-_FEWEST = 6  # pictures that a rule must rest on
+_FEWEST = 4  # pictures that a rule must rest on
 _SURE = 2.0  # standard errors by which an error must be above a limit to be held against a model
 _WALKS = ("walk", TRUTH)
 
@@ -140,5 +140,8 @@ def rule(rows: list[Row], limit: float = FINAL) -> dict[str, Any] | None:
                 if saved > 0.0 and (found is None or saved > found[0]):
                     worst = max(row["error"] for row in beyond)
                     speed = median(row["efficiency"] for row in beyond)
-                    found = (saved, Rule(name, depth, lightness, limit, len(beyond), worst, speed))
+                    thinnest, darkest = (
+                        min(min(row[key]) for row in beyond) for key in ("thickness", "albedo")
+                    )
+                    found = (saved, Rule(name, thinnest, darkest, limit, len(beyond), worst, speed))
     return asdict(found[1]) if found else None

@@ -24,7 +24,7 @@ from nephrite.plugins.shapes import mean_chord
 CLEAR = 0.03
 """Scattering optical thickness below which a medium counts as clear: its square bounds what is left out."""
 
-DENSE = 44.0
+DENSE = 91.0
 """Reduced optical thickness, in the clearest channel, above which a medium counts as dense: the atlas' rule for 5 %."""
 
 LIGHT = 0.993
