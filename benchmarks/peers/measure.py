@@ -27,7 +27,7 @@ _MOST_SAMPLES = 1 << 16
 _DEAR = 1 / 32  # share of the time: calls with one sample that take longer are looked into
 _PROBE = 4  # samples of the first call that is to tell what a sample costs
 _FEW = 0.25  # of what goes before them: the time of the fewer samples that such renderers begin with
-_TELLING = 0.25  # of a call with one sample: what more of them must take beyond it
+_TELLING = 1.0  # of a call with one sample: what more of them must take beyond it
 
 
 @dataclass
