@@ -15,12 +15,10 @@ import mitsuba as mi
 
 from nephrite.bssrdf import lobe
 from nephrite.physics import phase
-from nephrite.plugins import channels, emission, glints, interface, jump, sequence, twin
+from nephrite.plugins import channels, emission, glints, interface, jump, roulette, sequence, twin
 from nephrite.plugins.exits import connection_count, found_by, leave, light_density, toward, unblocked
 from nephrite.plugins.media import Media
 from nephrite.plugins.settings import Settings
-
-ROULETTE_SHARE = 0.3  # of a walk's light, below which its roulette begins
 
 
 @dataclass
@@ -348,7 +346,11 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                     if dr.hint(media.transport is not None, mode="scalar"):
                         deep, kept = media.transported(within, si, outward, -ray.d, enters)
                         L += β * deep * twin.expected(sigma_t, sigma_s, kept)
-                    channel, β, ratio = channels.lead(β, sigma_t, sampler.next_1d())
+                    chance = roulette.entering(entered, initial / len(β), depth)
+                    dead |= sampler.next_1d() >= chance
+                    β, entered = β / chance, entered / chance
+                    lot = source.even(sequence.LEADER, paths, sampler.next_1d(), begins)
+                    channel, β, ratio = channels.lead(β, sigma_t, lot)
                     events, steps, travelled = mi.UInt32(0), mi.UInt32(0), mi.Float(0)
                     entry_p, entry_n = si.p, outward
                     if dr.hint(media.directional is not None, mode="scalar"):
@@ -379,7 +381,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
         cut[spent & ~dead] += worth
         survival = dr.select(
             walking,
-            worth / dr.maximum(ROULETTE_SHARE * entered, 1e-30),
+            roulette.walking(worth, entered, mi.Float(events) * (1 - g)),
             dr.select((depth > s.rr_depth) & (within == 0), dr.minimum(worth, 0.95), 1),
         )
         # lights have been connected to by all of what came through: from here on as many go on as would have come

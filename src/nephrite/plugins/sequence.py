@@ -1,8 +1,8 @@
 """Sequences of low discrepancy: numbers that fill their range more evenly than by chance.
 
 The paths of a pixel draw what they do first from one, moved by random numbers of the pixel's own (a Kronecker sequence,
-Cranley-Patterson rotated). It pays where little else is random, as with precomputed transport; to walks it makes hardly
-a difference.
+Cranley-Patterson rotated). It pays most where little else is random, as with precomputed transport; of walks, it is
+which colour channel leads them that is worth its dimension.
 """
 
 from __future__ import annotations
@@ -12,8 +12,9 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 
-POSITION, INTERFACE, FREE_PATH, TURN = 0, 2, 3, 4  # what paths do first: two dimensions, one, one, two
-_DIMENSIONS = 6
+# what paths do first: two dimensions, one, one, one, two
+POSITION, INTERFACE, LEADER, FREE_PATH, TURN = 0, 2, 3, 4, 5
+_DIMENSIONS = 7
 
 
 def steps(dimensions: int) -> list[float]:

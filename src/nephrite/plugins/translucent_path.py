@@ -64,7 +64,7 @@ class TranslucentPath(mi.SamplingIntegrator):
     everything else that a path tracer does. ``model: walk, exit: exact`` has the expectation of :monosp:`volpathmis`.
 
     Differences to :monosp:`volpath`: which side of a surface a ray is on follows from the path, not from the winding;
-    the walk's roulette begins where 70 % of its light is gone; media that are not homogeneous, or that fill the space
+    the walk's roulette begins where half of its light is gone; media that are not homogeneous, or that fill the space
     around objects, are refused. The sampler of the sensor gives the sample count; numbers are independent.
     Derivatives are not supported.
 
