@@ -8,19 +8,17 @@ import drjit as dr
 import mitsuba as mi
 
 from nephrite.bssrdf import lobe
-from nephrite.plugins.media import TRANSPORT, WALK, Media
+from nephrite.plugins.media import Media
 
 _MOST_CONNECTIONS = 4
 
 
-def connection_count(scene: Any, media: Media) -> int:
+def connection_count(scene: Any) -> int:
     """Return how many lights each point is connected to.
 
-    With one per emitter it is no matter of luck which emitter is tried. One alone where diffusion models jump: their
-    noise is that of the jumps.
+    With one per emitter it is no matter of luck which emitter is tried.
     """
-    many = WALK in media.models or TRANSPORT in media.models
-    return max(1, min(len(scene.emitters()), _MOST_CONNECTIONS)) if many else 1
+    return max(1, min(len(scene.emitters()), _MOST_CONNECTIONS))
 
 
 def toward(

@@ -37,7 +37,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
     repeats = source.repeats
     longest = dr.norm(scene.bbox().extents()) if scene.bbox().valid() else 1.0
     context = mi.BSDFContext()
-    connections = connection_count(scene, media)
+    connections = connection_count(scene)
     lamps = glints.lamps(scene)
 
     # fmt: off
