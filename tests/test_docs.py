@@ -233,7 +233,7 @@ def test_tables_list_the_parameters(heading: str, module: str, name: str) -> Non
 
 def test_constants_are_those_of_the_code() -> None:
     from nephrite.bssrdf import lobe, probe
-    from nephrite.plugins import auto, jump, path
+    from nephrite.plugins import auto, jump, roulette
 
     page = text(ROOT / "docs" / "physics.md")
     for sentence in (
@@ -244,7 +244,8 @@ def test_constants_are_those_of_the_code() -> None:
         f"e^{{-n'/{lobe.QUADRATIC_MEMORY:g}}}$",
         f"normal (probability {probe.AXES[0]:g}) or one of two tangents ({probe.AXES[1]:g} each)",
         f"every hit, up to {jump.MAX_HITS};",
-        f"less than {100 * path.ROULETTE_SHARE:g} % of the light",
+        f"less than {100 * roulette.SHARE:g} % of the light",
+        f"So beyond $n' = {roulette.ORDER:g}$ they are thinned out",
     ):
         assert sentence in page
 

@@ -1,6 +1,7 @@
-"""Glints: lamps that a smooth surface mirrors, looked at from where they are mirrored.
+"""Glints: lamps that a smooth surface mirrors, or an object lets through, looked at from there.
 
-Fresnel reflection sends few paths to a lamp, and each brings all of its light: noise that covers all else.
+Fresnel reflection sends few paths to a lamp, and so does a thin rim to a lamp behind it; each brings all of the lamp's
+light: noise that covers all else.
 """
 
 from __future__ import annotations
@@ -10,6 +11,10 @@ from typing import Any
 import drjit as dr
 import mitsuba as mi
 
+from nephrite.plugins import interface
+from nephrite.plugins.media import Media
+
+_LEAST = 1e-3  # of a path's light: what lets less through is not looked through
 _MOST = 4  # lamps that are looked for
 
 
@@ -38,3 +43,25 @@ def lamp(scene: Any, ray: Any, active: Any) -> Any:
     """Return the light of the lamp's surface that the ray meets first; 0 if it meets none."""
     si = scene.ray_intersect(ray, active)
     return dr.select(si.is_valid(), si.emitter(scene, active).eval(si, active & si.is_valid()), 0)
+
+
+@dr.syntax
+def straight_through(
+    scene: Any, media: Media, spheres: list[tuple[Any, Any]], hit: Any, ray: Any, within: Any, shape: Any,
+    weight: Any, sigma_t: Any, active: Any,
+) -> tuple[Any, Any]:  # fmt: skip
+    """Return the light of lamps that a ray meets straight behind an object, and whether it has looked for it.
+
+    `hit`: where a ray inside the smooth `shape`, of the material `within`, gets to; `weight`: of its light so far.
+    """
+    light = mi.Spectrum(0)
+    left = weight * dr.exp(-sigma_t * hit.t)
+    looks = active & hit.is_valid() & (dr.max(left) > _LEAST) & (media.lookup(media.rough, within) == 0)
+    if looks:
+        si = hit.compute_surface_interaction(ray, mi.RayFlags.All, looks)
+        x = interface.cross(si, ray.d, dr.rcp(media.lookup(media.eta, within)))
+        looks &= (dr.reinterpret_array(mi.UInt32, si.shape) == shape) & (x.reflectance < 1)
+        looks &= may_meet(spheres, si.p, x.refracted)
+        if looks:
+            light = left * (1 - x.reflectance) * lamp(scene, si.spawn_ray(x.refracted), looks)
+    return light, looks

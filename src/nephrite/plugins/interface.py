@@ -51,6 +51,17 @@ def cross(si: Any, direction: Any, eta: Any) -> Crossing:
     )
 
 
+def bent(si: Any, direction: Any, local: Any) -> tuple[Any, Any]:
+    """Return whether a rough surface reflects what it has sent to `local`, in its frame, and that in world space.
+
+    Interpolated normals may send light to the wrong side: then it is mirrored back.
+    """
+    reflects = local.z * si.wi.z > 0
+    sent = si.to_world(local)
+    normal = mi.Vector3f(si.n) * dr.sign(dr.select(reflects, -1, 1) * dr.dot(si.n, direction))
+    return reflects, sent + normal * dr.maximum(-2 * dr.dot(sent, normal), 0)
+
+
 def _cross(normal: Any, direction: Any, eta: Any) -> Crossing:
     cos_i = -dr.dot(direction, normal)
     reflectance, cos_t, _, eta_ti = mi.fresnel(cos_i, eta)

@@ -109,17 +109,27 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
         ray.maxt = dr.select(inside & ~through & (leading > 0), free, dr.largest(mi.Float))
         if dr.hint(media.any_jump, mode="scalar"):
             ray.maxt = dr.select(searching, search.left, ray.maxt)
+        end, straight = mi.Float(ray.maxt), active & inside & (steps == 0)
+        if dr.hint(lamps, mode="scalar"):
+            ray.maxt = dr.select(straight, dr.largest(mi.Float), ray.maxt)
         hit = scene.ray_intersect_preliminary(ray, coherent=False, active=active)
-        stops = hit.is_valid()
+        if dr.hint(lamps, mode="scalar"):
+            straight &= (outer == 0) & s.wants(order) & (depth + 1 < s.max_depth)
+            light, straight = glints.straight_through(
+                scene, media, lamps, hit, ray, within, within_shape, β / dr.sum(ratio), sigma_t, straight
+            )
+            L += light
+            ray.maxt = end
+        stops = hit.is_valid() & (hit.t <= end)
         # a walk that is farther from its entry than its shape is long has found a hole in it: let it go
         escapes = active & inside & ~stops & (dr.squared_norm(ray.o - entry_p) > dr.square(reach))
         scatters = active & inside & ~stops & ~escapes & (ray.maxt < dr.largest(mi.Float))
         distance = dr.minimum(dr.select(stops, hit.t, ray.maxt), 1e30)
 
         if dr.hint(media.any_emission, mode="scalar"):
-            length = dr.minimum(distance, 10 * longest)
             L[active & inside & s.wants(order)] += emission.along(
-                length, sampler.next_1d(active), β, ratio, sigma_t, emitted, media.lookup(media.eta, within), through,
+                dr.minimum(distance, 10 * longest), sampler.next_1d(active),
+                β, ratio, sigma_t, emitted, media.lookup(media.eta, within), through,
             )  # fmt: skip
 
         along = dr.exp(-sigma_t * distance)
@@ -222,17 +232,11 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                 if rough:
                     si.sh_frame = mi.Frame3f(outward)
                     si.wi = si.to_local(-ray.d)
-                    bs, bs_weight = media.sample_surface(
-                        number, si, sampler.next_1d(rough), sampler.next_2d(rough), rough
-                    )
-                    reflects = bs.wo.z * si.wi.z > 0
-                    bent = si.to_world(bs.wo)
-                    # interpolated normals may send light to the wrong side: mirror it back
-                    normal = mi.Vector3f(si.n) * dr.sign(dr.select(reflects, -1, 1) * dr.dot(si.n, ray.d))
-                    direction = bent + normal * dr.maximum(-2 * dr.dot(bent, normal), 0)
+                    choice, spot = sampler.next_1d(rough), sampler.next_2d(rough)
+                    bs, bs_weight = media.sample_surface(number, si, choice, spot, rough)
+                    reflects, direction = interface.bent(si, ray.d, bs.wo)
                     β *= bs_weight
-                    rough_pdf = bs.pdf
-                    rough_delta = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
+                    rough_pdf, rough_delta = bs.pdf, mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
                     dead |= bs.pdf <= 0
 
             # Lamps that are mirrored need no choice between the two
@@ -251,9 +255,8 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             if dr.hint(media.any_local, mode="scalar"):
                 local = enters & media.local(number)
                 if local:
-                    absorbed, scattered = media.coefficients(number, si, local)
                     landing_n = outward
-                    landing_weight = mi.Spectrum(media.shown(number, absorbed, scattered))
+                    landing_weight = mi.Spectrum(media.shown(number, *media.coefficients(number, si, local)))
                     order += 2
                 landed |= local
                 dead |= local & ~s.may_go_on(order)
@@ -262,9 +265,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             # Where it leaves: the point, the direction, and the lobe that lights see
             from_number = dr.select(landed & searching, within, number)
             to_medium = dr.select(landed & searching, outer, outside)
-            by_lobe = landed | (
-                exits & ~rough & (events > 0) if dr.hint(s.exit == "lobe", mode="scalar") else mi.Bool(False)
-            )
+            by_lobe = landed | (exits & ~rough & (events > 0) & (s.exit == "lobe"))
             eta_exit = media.lookup(media.eta, from_number)
             normalization = media.lookup(media.normalization, from_number)
             normal = dr.select(landed, landing_n, outward)
@@ -359,7 +360,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                     entry_side = dr.select(dr.dot(si.n, outward) > 0, mi.Float(1), mi.Float(-1))
             depth[opaque | (crossing & reflects & ~leaving)] += 1
 
-            after_glint = glint & reflects
+            after_glint = (glint & reflects) | (straight & exits)
             time, wavelengths = ray.time, ray.wavelengths
             following = at.spawn_ray(direction)
             following.time, following.wavelengths = time, wavelengths
@@ -385,8 +386,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             dr.select((depth > s.rr_depth) & (within == 0), dr.minimum(worth, 0.95), 1),
         )
         # lights have been connected to by all of what came through: from here on as many go on as would have come
-        left = through & (within == 0)
-        survival = dr.select(left, dr.minimum(survival, dr.max(along)), dr.minimum(survival, 1))
+        survival = dr.minimum(survival, dr.select(through & (within == 0), dr.max(along), 1))
         dead |= spent | ~(worth > 0) | (sampler.next_1d(active) >= survival)
         β /= survival
         dead &= active

@@ -9,7 +9,7 @@ import mitsuba as mi
 import numpy as np
 
 from nephrite.errors import VariantError
-from nephrite.plugins import auto, camera, path, settings
+from nephrite.plugins import auto, camera, collector, path, settings
 from nephrite.plugins.balance import balance, fingerprint
 from nephrite.plugins.kept import Kept
 from nephrite.plugins.media import Media
@@ -84,6 +84,7 @@ class TranslucentPath(mi.SamplingIntegrator):
         self._balance: tuple[Any, Any] | None = None
         self._kept = Kept()
 
+    @collector.kept_off()
     def sample(
         self, scene: Any, sampler: Any, ray: Any, medium: Any = None, active: Any = True
     ) -> tuple[Any, Any, list[Any]]:
@@ -92,6 +93,7 @@ class TranslucentPath(mi.SamplingIntegrator):
         result = path.trace(self.settings, scene, media, sampler, camera.OneRay(ray, active))
         return result.L, result.valid, []
 
+    @collector.kept_off()
     def render(
         self, scene: Any, sensor: Any = 0, seed: int = 0, spp: int = 0, develop: bool = True, evaluate: bool = True
     ) -> Any:  # fmt: skip

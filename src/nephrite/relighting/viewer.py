@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy import linalg, sparse
 
 from nephrite.errors import VariantError, unknown_name
+from nephrite.plugins import collector
 from nephrite.plugins.lookup import Lookup
 from nephrite.plugins.media import Media
 from nephrite.relighting import precomputed
@@ -89,6 +90,7 @@ class Viewer:
         """Write the transport into a file, from which another viewer takes it."""
         self.transport.save(path)
 
+    @collector.kept_off()
     def frame(self) -> NDArray[np.float32]:
         """Return the picture, [height, width, 3], linear light, under the lights as they are now.
 
