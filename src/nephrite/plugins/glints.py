@@ -14,7 +14,7 @@ import mitsuba as mi
 from nephrite.plugins import interface
 from nephrite.plugins.media import Media
 
-_LEAST = 1e-3  # of a path's light: what lets less through is not looked through
+_LEAST = 1e-3  # throughput: where less gets through, lamps are left to chance
 _MOST = 4  # lamps that are looked for
 
 
@@ -50,7 +50,7 @@ def straight_through(
     scene: Any, media: Media, spheres: list[tuple[Any, Any]], hit: Any, ray: Any, within: Any, shape: Any,
     weight: Any, sigma_t: Any, active: Any,
 ) -> tuple[Any, Any]:  # fmt: skip
-    """Return the light of lamps that a ray meets straight behind an object, and whether it has looked for it.
+    """Return the light of a lamp that a ray meets straight behind an object, and whether it has been looked for.
 
     `hit`: where a ray inside the smooth `shape`, of the material `within`, gets to; `weight`: of its light so far.
     """

@@ -16,7 +16,7 @@ from scipy import sparse
 
 from nephrite.errors import ParameterError
 from nephrite.image import write
-from nephrite.plugins import auto
+from nephrite.plugins import auto, collector
 from nephrite.plugins.kept import LOST
 from nephrite.plugins.media import WALK, Media
 from nephrite.plugins.transport import Transport
@@ -79,6 +79,7 @@ class Precomputed:
                     )
 
 
+@collector.kept_off()
 def precompute(scene: Any, walks: int = 1_500_000) -> Precomputed:
     """Walk through all translucent objects of a scene, `walks` times each.
 

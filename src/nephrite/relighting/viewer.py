@@ -35,6 +35,7 @@ class Viewer:
     change (`lights`), and so may the camera. Only `rgb` variants.
     """
 
+    @collector.kept_off()
     def __init__(
         self, scene: Any, transport: Precomputed | str | os.PathLike | None = None, *, walks: int = 1_500_000,
         sensor: int = 0,
