@@ -110,9 +110,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
         if dr.hint(media.any_jump, mode="scalar"):
             ray.maxt = dr.select(searching, search.left, ray.maxt)
         end, straight = mi.Float(ray.maxt), active & inside & (steps == 0)
-        if dr.hint(
-            lamps, mode="scalar"
-        ):  # the first ray inside goes on to the other side: a lamp may be behind
+        if dr.hint(lamps, mode="scalar"):  # the first ray inside goes on to the far side: lamps behind
             ray.maxt = dr.select(straight, dr.largest(mi.Float), ray.maxt)
         hit = scene.ray_intersect_preliminary(ray, coherent=False, active=active)
         if dr.hint(lamps, mode="scalar"):
