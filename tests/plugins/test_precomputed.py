@@ -66,6 +66,23 @@ def test_several_objects_light_each_other():
     assert np.abs(found.mean).max() < 0.03
 
 
+def test_light_finds_its_way_into_a_deep_gap(tmp_path):
+    """Between two bright walls light goes to and fro: a few rounds are 12 % too dark; within 3 %."""
+    walls = [trimesh.creation.box((8.0, 12.0, 12.0)).apply_translation([x, 0.0, 0.0]) for x in (-4.6, 4.6)]
+    ground = trimesh.creation.box((18.0, 12.0, 4.0)).apply_translation([0.0, 0.0, -8.1])
+    trimesh.util.concatenate([*walls, ground]).export(tmp_path / "gap.ply")
+    scene = scenes.camera(8, fov=3.0) | {"sky": scenes.environment(1.0)}
+    to_world = mi.ScalarTransform4f().look_at(origin=[2, 1, 40], target=[0, 0, -2], up=[0, 1, 0])
+    scene["sensor"]["to_world"] = to_world
+    shape = {"type": "ply", "filename": str(tmp_path / "gap.ply"), "face_normals": True}
+    scene["object"] = shape | scenes.translucent(0.0005, 2.0)
+    scene = mi.load_dict(scene)
+    walk = measure.passes(scene, scenes.ours(), 512, 4, 100).mean.mean()
+    own = measure.passes(scene, QUICK, 512, 4, 900).mean.mean()
+    print(own / walk)
+    assert own == pytest.approx(walk, rel=0.03)
+
+
 def test_a_ball_lit_from_the_side_keeps_its_directions():
     """Without memory at both ends, it is some 13 % too dark; within 2 %, with 1.5 million walks."""
     scene = scenes.camera(8, fov=10.0) | {"light": scenes.light((0.9, 0.3, 0.1))}

@@ -24,10 +24,11 @@ from nephrite.plugins.layout import at_nodes, free_paths, lay
 from nephrite.plugins.lookup import Lookup
 from nephrite.plugins.settings import NO_LIMIT
 from nephrite.transport.counted import Walks, joined
+from nephrite.transport.limit import limit
 from nephrite.transport.pyramid import Pyramid
 
 CONNECTIONS, PATHS = 128, 8  # per node
-ROUNDS = 3  # of light between surfaces, after that of the lamps
+ROUNDS = 4  # of light between surfaces, after that of the lamps
 _LEAST_SECOND = 0.1  # of what scatters twice in the mean of all nodes: below, noise would be divided by it
 _AT_ONCE = 1 << 20  # walks
 _SEEDS = 1 << 10  # that a render has for itself: more than walks are made in turns
@@ -101,16 +102,12 @@ class Transport:
         s.max_depth = s.max_depth if s.max_depth == NO_LIMIT else s.max_depth - 1
         at, sensitivity = self.lookup.at, self.lookup.sensitivity
         connected = gathered.direct(scene, at, sensitivity, CONNECTIONS, self._seed)
-        seen, before, last = self._carry(connected), np.zeros(()), np.zeros(())
-        for _ in range(ROUNDS):
-            self._put(seen)
+        rounds = [self._carry(connected)]
+        for _ in range(ROUNDS):  # the same random numbers in each: what it makes of the one before is linear
+            self._put(rounds[-1])
             found = gathered.indirect(s, scene, media, at, sensitivity, PATHS, self._seed + 1)
-            now = self._carry([a + b for a, b in zip(connected, found, strict=True)])
-            before, last, seen = last, now - seen, now
-        # the same random numbers in each round make it a geometric series, nearly: here is the rest of it
-        ratio = np.abs(last).mean(axis=(0, 1)) / np.maximum(np.abs(before).mean(axis=(0, 1)), 1e-30)
-        ratio = np.minimum(ratio, 0.5)
-        self._put(seen + last * ratio / (1.0 - ratio))
+            rounds.append(self._carry([a + b for a, b in zip(connected, found, strict=True)]))
+        self._put(limit(rounds))
 
     def _carry(self, arriving: list[Any]) -> NDArray:
         """Return V at all nodes, [nodes, 4, channels], for what arrives there."""
