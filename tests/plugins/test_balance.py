@@ -1,5 +1,6 @@
 """Balance: no model makes energy, what is smooth and thick is left alone, and the tabulated profile fits the object."""
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 import pytest
@@ -93,7 +94,7 @@ def test_the_tabulated_profile_brings_what_walks_bring(shape):
     after = _brought(media, scene)[1].mean(0)
     (entry,) = media.entries
     begun = shapes.start(scene, media.winding, entry.shapes[0], _sampler())
-    ends = walked.walk(scene, 6, entry, begun.si, begun.shape, 1 << 18)
+    ends = walked.walk(scene, 6, entry, begun.si, begun.shape, dr.arange(mi.UInt32, 1 << 18))
     truth = np.array(ends.weight).mean(1) / np.array(ends.twice).mean(1)
     print(shape, before, after, truth)
     assert after == pytest.approx(0.995 * truth, rel=0.02)

@@ -174,7 +174,7 @@ def test_more_samples_have_more_walks(samples, millions):
 def test_more_samples_make_a_finer_transport_and_fewer_keep_it(monkeypatch):
     made = []
     monkeypatch.setattr(kept, "FEWEST_WALKS", 20_000)
-    monkeypatch.setattr(kept, "Transport", lambda *given: made.append(given[2:]) or Transport(*given))
+    monkeypatch.setattr(kept, "Transport", lambda *given: made.append(given[2:4]) or Transport(*given))
     scene = mi.load_dict(_ball() | {"sky": scenes.environment(1.0)})
     pixels = int(np.prod(scene.sensors()[0].film().size()))
     integrator = mi.load_dict(scenes.ours(model="transport"))

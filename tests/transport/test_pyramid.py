@@ -11,10 +11,10 @@ from support import nodes
 SPACING, EACH, FREE = 0.05, 64, 0.05
 
 
-def _walks(points, seed, along=0.0):
+def _walks(points, seed, along=0.0, begun=EACH):
     """Return walks from every node of a plane to places around it, of weight 1 in half of all cases."""
     rng = np.random.default_rng(seed)
-    start = np.repeat(np.arange(len(points)), EACH)
+    start = np.repeat(np.arange(len(points)), begun)
     target = points[start, :2] + rng.normal(0.0, 0.1, (len(start), 2)) * rng.choice(
         [0.5, 1.5], (len(start), 1)
     )
@@ -32,7 +32,7 @@ def _walks(points, seed, along=0.0):
 
 
 def _operator(plane, seed, along=0.0):
-    return Pyramid.of(*plane, SPACING, FREE, _walks(plane[0], seed, along), EACH)
+    return Pyramid.of(*plane, SPACING, FREE, _walks(plane[0], seed, along), np.full(len(plane[0]), EACH))
 
 
 @pytest.fixture(scope="module")
@@ -56,6 +56,18 @@ def test_even_light_stays_even(plane):
     assert found[inner].std() < 0.01
 
 
+def test_where_more_walks_begin_no_more_light_arrives(plane):
+    """Four times as many on one side, and the same half of even light on both, and where they meet."""
+    points = plane[0]
+    begun = np.where(points[:, 0] > 0, 128, 32)
+    walks = _walks(points, 7, begun=begun)
+    found = Pyramid.of(*plane, SPACING, FREE, walks, begun).apply(_arriving(points, 1.0))[:, 0]
+    inner = np.abs(points[:, 1]) < 0.6
+    for low, high in ((-0.6, -0.2), (-0.2, 0.2), (0.2, 0.6)):
+        strip = inner & (points[:, 0] >= low) & (points[:, 0] < high)
+        assert found[strip].mean() == pytest.approx(0.5, rel=0.015)
+
+
 def test_it_is_linear_and_its_channels_are_their_own(plane):
     operator = _operator(plane, 2)
     rng = np.random.default_rng(3)
@@ -72,7 +84,9 @@ def test_an_edge_of_light_is_where_the_walks_take_it(plane):
     points = plane[0]
     walks = _walks(points, 4)
     lit = (points[:, 0] > 0).astype(float)
-    found = Pyramid.of(*plane, SPACING, FREE, walks, EACH).apply(_arriving(points, lit))[:, 0, 0]
+    found = Pyramid.of(*plane, SPACING, FREE, walks, np.full(len(points), EACH)).apply(
+        _arriving(points, lit)
+    )[:, 0, 0]
     exact = np.bincount(walks.start, walks.weight[0] * lit[walks.end], len(points)) / EACH
     inner = np.abs(points[:, 1]) < 0.7
     for low in np.arange(-0.4, 0.4, 0.1):

@@ -99,7 +99,7 @@ def _walked(media: Media, number: int, scene: Any) -> Found | None:
         if count < _LEAST_WALKS:
             return None
         begun = start(scene, media.winding, shape, _sampler(count, 1))
-        ends = walked.walk(scene, 2, entry, begun.si, shape, count)
+        ends = walked.walk(scene, 2, entry, begun.si, shape, dr.arange(mi.UInt32, count))
         parts.append(tuple(np.array(part).T for part in (begun.si.p, ends.weight, ends.twice)))
     return replace(_found(parts), power=-1.0)
 

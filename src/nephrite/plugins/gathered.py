@@ -27,8 +27,9 @@ def direct(scene: Any, at: Any, sensitivity: Any, count: int, seed: int) -> list
     sampler = mi.load_dict({"type": "independent"})
     sampler.seed(seed, width)
     shift = sampler.next_2d()
-    lane = dr.arange(mi.UInt32, width * count)
-    node, turn = lane // count, mi.Float(lane % count)
+    lane, each = dr.arange(mi.UInt32, width * count), dr.opaque(mi.UInt32, count)
+    node = lane // each
+    turn = mi.Float(lane - node * each)
     moved = mi.Point2f(*(dr.gather(mi.Float, a, node) + turn * b for a, b in zip(shift, _STEPS, strict=True)))
     here = dr.gather(type(at), at, node)
     ds, light = scene.sample_emitter_direction(here, moved - dr.floor(moved), False, mi.Bool(True))
@@ -42,7 +43,7 @@ def indirect(
 ) -> list[Any]:  # fmt: skip
     """Return what `count` paths from every point of `at` find that no connection does; `s` hides the emitters."""
     width = dr.width(at.p)
-    node = dr.arange(mi.UInt32, width * count) // count
+    node = dr.arange(mi.UInt32, width * count) // dr.opaque(mi.UInt32, count)
     sampler = mi.load_dict({"type": "independent"})
     sampler.seed(seed, width * count)
     here = dr.gather(type(at), at, node)
@@ -56,10 +57,11 @@ def indirect(
 def _arrived(values: Any, direction: Any, normal: Any, node: Any, width: int, count: int) -> list[Any]:
     """Return the means of `values`, and of their products with the tangential directions."""
     tangential = direction - normal * dr.dot(direction, normal)
+    share = dr.opaque(mi.Float, 1 / count)
     sums = []
     for factor in (mi.Float(1), *tangential):
         total = dr.zeros(mi.Spectrum, width)
-        dr.scatter_add(total, values * factor / count, node)
+        dr.scatter_add(total, values * factor * share, node)
         sums.append(total)
     dr.eval(sums)
     return sums

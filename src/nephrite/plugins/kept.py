@@ -33,11 +33,11 @@ class Kept:
         self._lights: Any = None
 
     def prepare(
-        self, settings: Any, scene: Any, media: Media, choices: list[Choice], samples: int, seed: int
+        self, settings: Any, scene: Any, media: Media, choices: list[Choice], sensor: Any, samples: int, seed: int
     ) -> list[Choice]:  # fmt: skip
         """Give `media` its transport, found anew where something has changed; return what is computed in the end.
 
-        `samples` are to be taken of it; `seed`: for what is found anew.
+        `samples` are to be taken of it, by `sensor`, if it is known; `seed`: for what is found anew.
         Walks are left to objects that have others inside, where light ends that transport knows nothing of.
         """
         members = [
@@ -50,7 +50,8 @@ class Kept:
             return choices
         objects, walks = fingerprint(media), settings.walks or walks_for(samples)
         if self._transport is None or self._objects != objects or self._transport.walks < walks:
-            self._transport = Transport(scene, [(entry, shape) for _, entry, shape in members], walks, seed)
+            bodies = [(entry, shape) for _, entry, shape in members]
+            self._transport = Transport(scene, bodies, walks, seed, sensor)
             self._objects, self._lights = objects, None
         transport = self._transport
         transport.lookup.attach([shape for _, _, shape in members])

@@ -41,3 +41,8 @@ class OfPixels:
         index = self.turn + self.turns * path
         bits = self._moved[dimension] + index * self._steps[dimension]  # modulo 2^32
         return dr.select(first, mi.Float(bits >> 8) * 2.0**-24, otherwise)
+
+
+def of_one(seed: int) -> OfPixels:
+    """Return a sequence in which every path has its own place: that of a single pixel."""
+    return OfPixels(mi.UInt32(0), 0, 1, seed)

@@ -101,7 +101,7 @@ class TranslucentPath(mi.SamplingIntegrator):
         sensor = scene.sensors()[sensor] if isinstance(sensor, int) else sensor
         samples = int(np.prod(sensor.film().crop_size())) * (spp or sensor.sampler().sample_count())
         seed = int(mi.UInt32(seed)[0])
-        media = self._survey(scene, samples, seed)
+        media = self._survey(scene, sensor, samples, seed)
         with dr.suspend_grad():
             source = camera.Camera(sensor, spp, seed)
             result = path.trace(self.settings, scene, media, source.sampler, source)
@@ -117,7 +117,7 @@ class TranslucentPath(mi.SamplingIntegrator):
                 dr.eval(image)
         return image
 
-    def _survey(self, scene: Any, samples: int = 0, seed: int = 0) -> Media:
+    def _survey(self, scene: Any, sensor: Any = None, samples: int = 0, seed: int = 0) -> Media:
         media = Media.of(scene)
         s = self.settings
         self.choices = auto.choose(s.model, media, scene, profiles=s.profiles, thickness=s.thickness)
@@ -129,7 +129,7 @@ class TranslucentPath(mi.SamplingIntegrator):
                 self._balance = (key, media.balance)
             media.balance = self._balance[1]
         with dr.suspend_grad():
-            self.choices = self._kept.prepare(s, scene, media, self.choices, samples, seed)
+            self.choices = self._kept.prepare(s, scene, media, self.choices, sensor, samples, seed)
         return media
 
     def _report(self, result: path.Result) -> None:

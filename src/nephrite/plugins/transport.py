@@ -22,15 +22,22 @@ from numpy.typing import NDArray
 from nephrite.plugins import gathered, walked
 from nephrite.plugins.layout import at_nodes, free_paths, lay
 from nephrite.plugins.lookup import Lookup
+from nephrite.plugins.seen import seen
 from nephrite.plugins.settings import NO_LIMIT
 from nephrite.transport.counted import Walks, joined
 from nephrite.transport.limit import limit
 from nephrite.transport.pyramid import Pyramid
 
-CONNECTIONS, PATHS = 128, 8  # per node
-ROUNDS = 4  # of light between surfaces, after that of the lamps
+CONNECTIONS = 64  # to lights, per node
+ROUNDS, PATHS_IN_TURN = 4, 2  # of light between surfaces, after that of the lamps; paths per node
+PATHS, MOST_PATHS = (
+    8,
+    64,
+)  # per node, for a million walks and at most: they find more exactly what the rounds lead to
 _LEAST_SECOND = 0.1  # of what scatters twice in the mean of all nodes: below, noise would be divided by it
+_SMOOTHINGS = 3  # of how much scatters twice: all that is looked up is divided by it
 _AT_ONCE = 1 << 20  # walks
+_UNSEEN = 0.3  # of the mean share of walks: what begins where no camera looks
 _SEEDS = 1 << 10  # that a render has for itself: more than walks are made in turns
 
 
@@ -49,51 +56,72 @@ class Surface:
     lost: float
 
 
+def shared(walks: int, shown: NDArray) -> NDArray:
+    """Return how many of about `walks` walks begin at each node, if so much of a picture is `shown` there.
+
+    By the root of it, for the least noise in the picture, and some everywhere: light comes from all sides, and cameras
+    move.
+    """
+    share = np.sqrt(shown)
+    share += _UNSEEN * np.mean(share) or 1.0
+    return np.maximum(np.rint(walks * share / np.sum(share)), 1).astype(np.int64)
+
+
 class Transport:
     """All surfaces of a scene whose transport is precomputed: T is found at once, V by `relight`."""
 
-    def __init__(self, scene: Any, members: list[tuple[Any, Any]], walks: int, seed: int = 0) -> None:
-        """Lay nodes on `members`, pairs of `media.Entry` and shape, and start about `walks` walks on each shape."""
+    def __init__(
+        self, scene: Any, members: list[tuple[Any, Any]], walks: int, seed: int = 0, sensor: Any = None
+    ) -> None:  # fmt: skip
+        """Lay nodes on `members`, pairs of `media.Entry` and shape, and start about `walks` walks on each shape.
+
+        More of them where `sensor` looks, if there is one.
+        """
         self.walks, self._seed = walks, _SEEDS * seed % 2**32
         layouts = [lay(entry, shape, scene) for entry, shape in members]
         self.lookup = Lookup(members, layouts)
+        shown = np.zeros(len(self.lookup.points))
+        if sensor is not None:
+            shown = seen(scene, sensor, self.lookup, seed)
         self.surfaces: list[Surface] = []
         for number, ((entry, shape), (*_, spacing)) in enumerate(zip(members, layouts, strict=True)):
-            self.surfaces.append(self._walk(scene, entry, shape, number, spacing, walks))
+            begun = shared(walks, shown[self.lookup.own(number)])
+            self.surfaces.append(self._walk(scene, entry, shape, number, spacing, begun))
         self._values = dr.zeros(mi.Float, 12 * len(self.lookup.points))
 
     def _walk(
-        self, scene: Any, entry: Any, shape: Any, number: int, spacing: float, walks: int
+        self, scene: Any, entry: Any, shape: Any, number: int, spacing: float, begun: NDArray
     ) -> Surface:  # fmt: skip
         own = self.lookup.own(number)
         points, normals = self.lookup.points[own], self.lookup.normals[own]
-        at, each = at_nodes(points, normals), max(1, walks // len(points))
-        most = max(1, _AT_ONCE // len(points))
+        at = at_nodes(points, normals)
+        starts = np.repeat(np.arange(len(points), dtype=np.uint32), begun)
         parts, second, lost = [], 0.0, 0.0
-        for turn, begun in enumerate(range(0, each, most)):
-            count = len(points) * min(most, each - begun)
-            ends = walked.walk(scene, self._seed + turn, entry, at, shape, count)
-            parts.append(self._between_nodes(ends, number))
-            twice = np.array(ends.twice)
-            second += twice.reshape(len(twice), -1, len(points)).sum(axis=1).T / each
-            lost += float(np.array(dr.sum(dr.max(ends.lost)))[0]) / (len(points) * each)
-        operator = Pyramid.of(points, normals, spacing, float(free_paths(entry).min()), joined(parts), each)
+        for turn, start in enumerate(np.array_split(starts, -(-len(starts) // _AT_ONCE))):
+            ends = walked.walk(scene, self._seed + turn, entry, at, shape, mi.UInt32(start))
+            parts.append(self._between_nodes(ends, number, start))
+            twice = [np.bincount(start, channel, len(points)) for channel in np.array(ends.twice)]
+            second += np.stack(twice, axis=1) / begun[:, None]
+            lost += float(np.sum(np.array(dr.max(ends.lost)) / begun[start])) / len(points)
+        operator = Pyramid.of(points, normals, spacing, float(free_paths(entry).min()), joined(parts), begun)
         least = np.maximum(_LEAST_SECOND * np.mean(second, axis=0), 1e-12)  # a channel may not scatter at all
-        second = np.maximum(operator.smooth @ second, least)
+        for _ in range(_SMOOTHINGS):
+            second = operator.smooth @ second
+        second = np.maximum(second, least)
         return Surface(points, normals, spacing, operator, second, lost)
 
-    def _between_nodes(self, ends: walked.Ends, number: int) -> Walks:
-        """Return the walks that brought something, from node to node of a surface."""
+    def _between_nodes(self, ends: walked.Ends, number: int, start: NDArray) -> Walks:
+        """Return the walks that brought something, from node to node of a surface; they began at `start`."""
         own = self.lookup.own(number)
         used: Any = dr.compress(dr.max(ends.weight) > 0)
-        start = used % (own.stop - own.start)
+        begun = dr.gather(mi.UInt32, mi.UInt32(start), used)
         columns: list[Any] = [ends.p, ends.n, ends.weight, ends.back, ends.out]
         p, n, weight, back, out = (dr.gather(type(values), values, used) for values in columns)
         everywhere = dr.full(mi.Bool, True, dr.width(used))
         end = self.lookup.nearby.nearest(mi.UInt32(number), p, n, everywhere) - own.start
-        length = dr.norm(p - dr.gather(mi.Point3f, self.lookup.at.p, start + own.start))
-        dr.eval(start, end, length, weight, back, out)
-        return Walks(*(np.array(values) for values in (start, end, length, weight, back, out)))
+        length = dr.norm(p - dr.gather(mi.Point3f, self.lookup.at.p, begun + own.start))
+        dr.eval(begun, end, length, weight, back, out)
+        return Walks(*(np.array(values) for values in (begun, end, length, weight, back, out)))
 
     def relight(self, settings: Any, scene: Any, media: Any) -> None:
         """Find what arrives from the present lights, and what comes of it; `media` looks it up here."""
@@ -102,12 +130,17 @@ class Transport:
         s.max_depth = s.max_depth if s.max_depth == NO_LIMIT else s.max_depth - 1
         at, sensitivity = self.lookup.at, self.lookup.sensitivity
         connected = gathered.direct(scene, at, sensitivity, CONNECTIONS, self._seed)
+
+        def next_round(before: NDArray, paths: int, seed: int) -> NDArray:
+            self._put(before)
+            found = gathered.indirect(s, scene, media, at, sensitivity, paths, seed)
+            return self._carry([a + b for a, b in zip(connected, found, strict=True)])
+
         rounds = [self._carry(connected)]
         for _ in range(ROUNDS):  # the same random numbers in each: what it makes of the one before is linear
-            self._put(rounds[-1])
-            found = gathered.indirect(s, scene, media, at, sensitivity, PATHS, self._seed + 1)
-            rounds.append(self._carry([a + b for a, b in zip(connected, found, strict=True)]))
-        self._put(limit(rounds))
+            rounds.append(next_round(rounds[-1], PATHS_IN_TURN, self._seed + 1))
+        paths = min(max(PATHS * self.walks // 1_000_000, PATHS), MOST_PATHS)
+        self._put(next_round(limit(rounds), paths, self._seed + 2))
 
     def _carry(self, arriving: list[Any]) -> NDArray:
         """Return V at all nodes, [nodes, 4, channels], for what arrives there."""

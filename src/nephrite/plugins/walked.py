@@ -7,7 +7,8 @@ of the light entering at y that is seen at x.
 
 A vectorised loop runs until the slowest of its lanes is done, and walks have long tails. So each lane takes several
 walks, and starts the next as soon as one ends. Long walks are the dear ones, and the light that they bring is spread
-evenly, so that few are enough: roulette thins them out by their order.
+evenly, so that few are enough: roulette thins them out by their order. How they begin follows one sequence for all of
+them, so that those from one place, and from places nearby, do not begin alike.
 """
 
 from __future__ import annotations
@@ -19,7 +20,8 @@ import mitsuba as mi
 
 from nephrite.bssrdf import lobe
 from nephrite.physics import phase
-from nephrite.plugins import channels, interface
+from nephrite.plugins import channels, interface, sequence
+from nephrite.plugins.sequence import FREE_PATH, LEADER, POSITION, TURN
 
 _WALKS_PER_LANE = 32
 _MIN_LANES = 1 << 14
@@ -50,22 +52,25 @@ class Ends:
         dr.eval(self.p, self.n, self.out, self.back, self.weight, self.twice, self.lost)
 
 
-def walk(scene: Any, seed: int, entry: Any, at: Any, shape: Any, count: int) -> Ends:
-    """Make `count` walks: walk i begins at point i of `at`, modulo their number; normals there point outward.
+def walk(scene: Any, seed: int, entry: Any, at: Any, shape: Any, begin: Any) -> Ends:
+    """Make one walk for each entry of `begin`, from that point of `at`; normals there point outward.
 
     `entry`: the `media.Entry` of the shape.
     """
+    count = dr.width(begin)
     ends = Ends(count)
-    dr.eval(at)
+    dr.eval(at, begin)
     sampler: Any = mi.load_dict({"type": "independent"})
     sampler.seed(seed, min(count, max(_MIN_LANES, -(-count // _WALKS_PER_LANE))))
-    _walk(scene, sampler, entry, at, shape, count, ends)
+    _walk(scene, sampler, sequence.of_one(seed), entry, at, shape, begin, ends)
     ends.evaluate()
     return ends
 
 
 @dr.syntax
-def _walk(scene: Any, sampler: Any, entry: Any, at: Any, shape: Any, count: int, ends: Ends) -> None:
+def _walk(
+    scene: Any, sampler: Any, even: Any, entry: Any, at: Any, shape: Any, begin: Any, ends: Ends
+) -> None:  # fmt: skip
     """Record the loop that fills `ends`."""
     identity = dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))
     eta = dr.opaque(mi.Float, entry.eta)
@@ -74,9 +79,11 @@ def _walk(scene: Any, sampler: Any, entry: Any, at: Any, shape: Any, count: int,
     normalization = dr.opaque(mi.Float, lobe.exit_lobe(entry.eta).normalization)
     m2 = dr.opaque(mi.Float, lobe.exit_lobe(entry.eta).m2)
     thinned = dr.opaque(mi.Float, _ORDER / max(1 - entry.g, 1e-3))  # events
-    points, lanes = dr.width(at.p), sampler.wavefront_size()
+    count, lanes = dr.width(begin), sampler.wavefront_size()
 
     walks = dr.arange(mi.UInt32, lanes)  # The walk that each lane is making
+    # numbers that are no part of the kernel: one serves for as many walks as are asked for
+    count, stride = dr.opaque(mi.UInt32, count), dr.opaque(mi.UInt32, lanes)
     fresh, active = mi.Bool(True), walks < count
     origin, falling = mi.Point3f(0), mi.Vector3f(0)
     sigma_t, sigma_s = mi.Spectrum(0), mi.Spectrum(0)
@@ -85,20 +92,21 @@ def _walk(scene: Any, sampler: Any, entry: Any, at: Any, shape: Any, count: int,
     events, steps, travelled = mi.UInt32(0), mi.UInt32(0), mi.Float(0)
     while active:
         if fresh:
-            start = dr.gather(type(at), at, walks % points, active)
+            start = dr.gather(type(at), at, dr.gather(mi.UInt32, begin, walks, active), active)
             origin = mi.Point3f(start.p)
-            falling = -mi.Frame3f(start.n).to_world(
-                mi.warp.square_to_cosine_hemisphere(sampler.next_2d(active))
-            )
+            spot = mi.Point2f(even(POSITION, walks, 0), even(POSITION + 1, walks, 0))
+            falling = -mi.Frame3f(start.n).to_world(mi.warp.square_to_cosine_hemisphere(spot))
             inward = interface.cross(start, falling, eta)
             absorbed, sigma_s = entry.coefficients(start, active)
             sigma_t = absorbed + sigma_s
             entered = mi.Spectrum((1 - inward.reflectance) / normalization)
-            channel, β, ratio = channels.lead(entered, sigma_t, sampler.next_1d(active))
+            channel, β, ratio = channels.lead(entered, sigma_t, even(LEADER, walks, 0))
             ray = start.spawn_ray(inward.refracted)
             events, steps, travelled = mi.UInt32(0), mi.UInt32(0), mi.Float(0)
         leading = dr.maximum(channels.pick(sigma_t, channel), 1e-30)
-        ray.maxt = dr.minimum(-dr.log(1 - sampler.next_1d(active)) / leading, 1e30)
+        first = steps == 0
+        free = even(FREE_PATH, walks, sampler.next_1d(active), first)
+        ray.maxt = dr.minimum(-dr.log(1 - free) / leading, 1e30)
         hit = scene.ray_intersect_preliminary(ray, coherent=False, active=active)
         stops = hit.is_valid()
         distance = dr.select(stops, hit.t, ray.maxt)
@@ -109,7 +117,8 @@ def _walk(scene: Any, sampler: Any, entry: Any, at: Any, shape: Any, count: int,
         β *= along * dr.select(stops, 1, sigma_s) / of_leader
         ratio *= density / of_leader
         weight = β / dr.sum(ratio)
-        u = sampler.next_2d(active)
+        u: Any = sampler.next_2d(active)
+        u = mi.Point2f(*(even(TURN + i, walks, u[i], first) for i in range(2)))
         goes_on = mi.Bool(active)
         if stops:
             si = hit.compute_surface_interaction(ray, mi.RayFlags.All, active & stops)
@@ -120,7 +129,7 @@ def _walk(scene: Any, sampler: Any, entry: Any, at: Any, shape: Any, count: int,
             memory = lobe.memory(mi.Float(events), g)[0]
             usual = (1 - memory) * lobe.usual((si.p - origin) / travelled, eta, m2)
             out, back = memory * x.refracted + usual, -memory * falling - usual
-            normal = dr.gather(mi.Normal3f, at.n, walks % points, gone)
+            normal = dr.gather(mi.Normal3f, at.n, dr.gather(mi.UInt32, begin, walks, gone), gone)
             dr.scatter(ends.p, si.p, walks, gone)
             dr.scatter(ends.n, -x.normal, walks, gone)
             dr.scatter(ends.weight, weight, walks, gone)
@@ -142,7 +151,7 @@ def _walk(scene: Any, sampler: Any, entry: Any, at: Any, shape: Any, count: int,
         goes_on &= (sampler.next_1d(active) < survival) & (steps < _LONGEST)
         β /= survival
         fresh = active & ~goes_on
-        walks += dr.select(fresh, lanes, 0)
+        walks += dr.select(fresh, stride, 0)
         active &= walks < count
 
 

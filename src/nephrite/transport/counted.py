@@ -55,12 +55,13 @@ def levels(lengths: NDArray, free: float) -> NDArray:
 
 
 def kernels(
-    walks: Walks, far: NDArray, cells: Cells, each: int, back: NDArray, out: NDArray
+    walks: Walks, far: NDArray, cells: Cells, begun: NDArray, back: NDArray, out: NDArray
 ) -> list[Any]:  # fmt: skip
     """Return the kernels between cells, one a channel: per node here, and per sum over the nodes there.
 
-    Walks to places nearby are counted at their start; those that are `far` at both ends, as they are reciprocal.
-    `back`, `out`: directions at both ends, [components, walks].
+    Walks to places nearby are counted at their start; those that are `far` at both ends, as they are reciprocal. What
+    goes between two nodes is then found by all that `begun` at either. `back`, `out`: directions at both ends,
+    [components, walks].
     """
     nodes, mass = np.maximum(cells.nodes, 1e-12), np.maximum(cells.mass, 1e-12)
     count, parts, returned = len(nodes), 1 + len(back), np.flatnonzero(far)
@@ -70,8 +71,9 @@ def kernels(
     place = place[order]
     first = np.flatnonzero(np.diff(place, prepend=-1))
     row, column = np.divmod(place[first], count)
-    scale = (1.0 / (each * nodes[row] * mass[column])).astype(np.float32)
-    weight = np.where(far, np.float32(0.5), np.float32(1.0)) * walks.weight
+    scale = (1.0 / (nodes[row] * mass[column])).astype(np.float32)
+    found_by = begun[walks.start] + np.where(far, begun[walks.end], 0)
+    weight = walks.weight / found_by.astype(np.float32)
 
     def sorted_(there: NDArray, here: NDArray) -> NDArray:
         return np.concatenate([there, here[returned]])[order]

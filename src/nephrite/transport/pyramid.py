@@ -77,9 +77,9 @@ class Pyramid:
 
     @classmethod
     def of(
-        cls, points: NDArray, normals: NDArray, spacing: float, free: float, walks: Walks, each: int
+        cls, points: NDArray, normals: NDArray, spacing: float, free: float, walks: Walks, begun: NDArray
     ) -> Pyramid:  # fmt: skip
-        """Count `walks`, of which `each` began at a node.
+        """Count `walks`, of which so many have `begun` at each node.
 
         Nodes are at `points`, with `normals`, and keep the distance `spacing`; `free`: the least mean free path.
         """
@@ -109,7 +109,7 @@ class Pyramid:
                     np.einsum("nkj,jn->kn", turns[node], direction)
                     for node, direction in ((own.start, own.back), (own.end, own.out))
                 ]
-            return kernels(own, far, cells[grid], each, *ends)
+            return kernels(own, far, cells[grid], begun, *ends)
 
         remembered = (*MOMENTS[1:], ()) if len(points) < FEW else MOMENTS
         with ThreadPoolExecutor() as pool:
