@@ -27,7 +27,7 @@ def test_it_is_exact_once_there_is_a_round_for_each_mode():
 
 
 def test_slow_light_in_one_place_is_found_among_much_that_is_fast():
-    """In gaps, a tenth of all places, .8 goes on each time: after four rounds a third of their light is still missing."""
+    """In gaps, a tenth of all places, .8 goes on each time: after four rounds a third of their light is missing."""
     modes = np.concatenate([np.linspace(0.0, 0.35, 180), np.full(20, 0.8)])
     rounds = [np.ones((200, 1, 1))]
     for _ in range(4):

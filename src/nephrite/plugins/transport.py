@@ -30,10 +30,7 @@ from nephrite.transport.pyramid import Pyramid
 
 CONNECTIONS = 64  # to lights, per node
 ROUNDS, PATHS_IN_TURN = 4, 2  # of light between surfaces, after that of the lamps; paths per node
-PATHS, MOST_PATHS = (
-    8,
-    64,
-)  # per node, for a million walks and at most: they find more exactly what the rounds lead to
+PATHS, MOST_PATHS = 8, 64  # of the last round, which is finer: for a million walks, and at most
 _LEAST_SECOND = 0.1  # of what scatters twice in the mean of all nodes: below, noise would be divided by it
 _SMOOTHINGS = 3  # of how much scatters twice: all that is looked up is divided by it
 _AT_ONCE = 1 << 20  # walks
