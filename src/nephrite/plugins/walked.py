@@ -79,11 +79,11 @@ def _walk(
     normalization = dr.opaque(mi.Float, lobe.exit_lobe(entry.eta).normalization)
     m2 = dr.opaque(mi.Float, lobe.exit_lobe(entry.eta).m2)
     thinned = dr.opaque(mi.Float, _ORDER / max(1 - entry.g, 1e-3))  # events
-    count, lanes = dr.width(begin), sampler.wavefront_size()
+    lanes = sampler.wavefront_size()
 
-    walks = dr.arange(mi.UInt32, lanes)  # The walk that each lane is making
     # numbers that are no part of the kernel: one serves for as many walks as are asked for
-    count, stride = dr.opaque(mi.UInt32, count), dr.opaque(mi.UInt32, lanes)
+    count, stride = dr.opaque(mi.UInt32, dr.width(begin)), dr.opaque(mi.UInt32, lanes)
+    walks = dr.arange(mi.UInt32, lanes)  # The walk that each lane is making
     fresh, active = mi.Bool(True), walks < count
     origin, falling = mi.Point3f(0), mi.Vector3f(0)
     sigma_t, sigma_s = mi.Spectrum(0), mi.Spectrum(0)
