@@ -188,14 +188,16 @@ class Media:
         model = dr.gather(mi.UInt32, self._model, number)
         return (model == LOW) | (model == TRANSPORT)
 
-    def transported(self, number: Any, si: Any, normal: Any, direction: Any, active: Any) -> tuple[Any, Any]:
+    def transported(
+        self, number: Any, si: Any, normal: Any, direction: Any, u: Any, active: Any
+    ) -> tuple[Any, Any]:
         """Return what light brings that enters at `si` and scatters twice, where it is precomputed; 0 elsewhere.
 
-        And the share that a half-space would keep after one event. `normal`: outward; `direction`: where the path
-        came from.
+        In the mean over two uniform numbers `u`. And the share that a half-space would keep after one event.
+        `normal`: outward; `direction`: where the path came from.
         """
         active = active & (dr.gather(mi.UInt32, self._model, number) == TRANSPORT)
-        brought, kept = self.transport.radiance(si, normal, direction, active)
+        brought, kept = self.transport.radiance(si, normal, direction, u, active)
         return dr.select(active, brought, 0), kept
 
     @staticmethod

@@ -345,7 +345,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                     entered = dr.max(β)
                     started += entered
                     if dr.hint(media.transport is not None, mode="scalar"):
-                        deep, kept = media.transported(within, si, outward, -ray.d, enters)
+                        deep, kept = media.transported(within, si, outward, -ray.d, sampler.next_2d(), enters)
                         L += β * deep * twin.expected(sigma_t, sigma_s, kept)
                     chance = roulette.entering(entered, initial / len(β), depth)
                     dead |= sampler.next_1d() >= chance

@@ -151,16 +151,17 @@ class Transport:
         three = np.broadcast_to(values, (*values.shape[:2], 3))  # a monochromatic variant has one channel
         self._values = mi.Float(three.astype(np.float32).ravel())
 
-    def radiance(self, si: Any, normal: Any, direction: Any, active: Any) -> tuple[Any, Any]:
+    def radiance(self, si: Any, normal: Any, direction: Any, u: Any, active: Any) -> tuple[Any, Any]:
         """Return V / P at entries `si`, with outward `normal`, of paths that came from `direction`.
 
-        And what a half-space keeps of their light after one event, per albedo.
+        In the mean over two uniform numbers `u`. And what a half-space keeps of it after one event, per albedo.
         """
         which = self.lookup.number(si.shape, active)
-        mean, *moments = self.lookup.nearby.mean(which, si.p, normal, self._values, active)
+        node = self.lookup.nearby.beside(which, si.p, normal, u, active)
+        brought, *moments = (dr.gather(mi.Vector3f, self._values, 4 * node + i, active) for i in range(4))
         tangential = direction - normal * dr.dot(direction, normal)
         for moment, component in zip(moments, tangential, strict=True):
-            mean += component * moment
-        mean = dr.maximum(mean, 0)
-        brought = mi.Spectrum(mean.x) if mi.is_monochromatic else mi.Spectrum(mean)
-        return brought, self.lookup.kept(which, dr.dot(direction, normal))
+            brought += component * moment
+        return mi.Spectrum(brought.x if mi.is_monochromatic else brought), self.lookup.kept(
+            which, dr.dot(direction, normal)
+        )

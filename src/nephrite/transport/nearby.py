@@ -1,19 +1,18 @@
 """Finds the nodes near a point of a surface, for whole wavefronts of points at once.
 
-Nodes lie in the cells of a grid, sorted, so that a point looks at 9 rows of 3 cells each. Those that face away from
-it, on the far side of a thin part, do not count.
+Nodes lie in the cells of a grid, sorted, so that a point looks at rows of cells. Those that face away from it, on the
+far side of a thin part, count only where there are no others.
 """
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
-
-_FAR_SIDE = 1e-6  # weight of nodes that face away: they count where there are no others
 
 
 class Nearby:
@@ -47,67 +46,53 @@ class Nearby:
         self._layout = mi.Int32(table[:, 4:].astype(np.int32).ravel())
         dr.eval(self._p, self._n, self._starts, self._place, self._layout)
 
-    @dr.syntax
     def nearest(self, which: Any, p: Any, n: Any, active: Any) -> Any:
-        """Return the index of the node nearest to `p` that faces as `n` does."""
-        place, layout, cell = self._cell(which, p, active)
-        row, at, end = mi.Int32(0), mi.UInt32(0), mi.UInt32(0)
-        best, found = mi.Float(dr.largest(mi.Float)), mi.UInt32(0)
-        going = mi.Bool(active)
-        while going:
-            if at < end:
-                squared, facing = self._apart(at, p, n)
-                distance = squared + dr.select(facing > 0, 0.0, 1e3 * dr.square(place.w))
-                found = dr.select(distance < best, at, found)
-                best = dr.minimum(best, distance)
-                at += 1
-            else:
-                at, end = self._row(layout, cell, row)
-                row += 1
-            going = (row < 9) | (at < end)
+        """Return the index of the node nearest to `p`, within the cells around its own, that faces as `n` does."""
+        return self._nearest(3, which, p, n, active)[0]
+
+    @dr.syntax
+    def beside(self, which: Any, p: Any, n: Any, u: Any, active: Any) -> Any:
+        """Return the node nearest to a point by chance beside `p`, of the surface's reach; `u`: two uniform numbers.
+
+        What is looked up there is in the mean smooth in `p`, and noise between neighbours adds little to a path's.
+        """
+        reach = dr.gather(mi.Float, self._place, 4 * which + 3, active)
+        radius = reach * dr.sqrt(1 - dr.sqrt(dr.sqrt(1 - u.x)))  # density (1 - r² / reach²)³
+        sine, cosine = dr.sincos(2 * math.pi * u.y)
+        q = p + dr.select(active, mi.Frame3f(n).to_world(mi.Vector3f(radius * cosine, radius * sine, 0)), 0)
+        found, faces = self._nearest(2, which, q, n, active)
+        lost = active & ~faces  # beside an edge
+        if lost:
+            found = self._nearest(3, which, p, n, lost)[0]
         return found
 
     @dr.syntax
-    def mean(self, which: Any, p: Any, n: Any, table: Any, active: Any) -> tuple[Any, Any, Any, Any]:
-        """Return the mean of a `table` of four vectors a node, over the nodes near `p`; it is smooth in `p`."""
-        place, layout, cell = self._cell(which, p, active)
+    def _nearest(self, width: int, which: Any, p: Any, n: Any, active: Any) -> tuple[Any, Any]:
+        """Return the node nearest to `p` that faces as `n` does, or if none does, any; and whether it does.
+
+        Within a cube of `width` cells: what is nearer than half a cell is found in 2, and than a cell in 3.
+        """
+        place: Any = dr.gather(mi.Vector4f, self._place, which, active)
+        layout: Any = dr.gather(mi.Vector4i, self._layout, which, active)
+        corner = mi.Vector3i(dr.floor((mi.Vector3f(p) - place.xyz) / place.w - 0.5 * (width - 1)))
+        corner = dr.clip(corner, 0, layout.xyz - width)
         row, at, end = mi.Int32(0), mi.UInt32(0), mi.UInt32(0)
-        total = mi.Float(0)
-        a: Any = mi.Vector3f(0)
-        b: Any = mi.Vector3f(0)
-        c: Any = mi.Vector3f(0)
-        d: Any = mi.Vector3f(0)
+        best, found, faces = mi.Float(dr.largest(mi.Float)), mi.UInt32(0), mi.Bool(False)
         going = mi.Bool(active)
         while going:
             if at < end:
-                squared, facing = self._apart(at, p, n)
-                inside = dr.maximum(1.0 - squared / dr.square(place.w), 0.0)
-                weight = dr.square(inside) * inside * dr.maximum(facing, _FAR_SIDE)
-                total += weight
-                a += weight * dr.gather(mi.Vector3f, table, 4 * at)
-                b += weight * dr.gather(mi.Vector3f, table, 4 * at + 1)
-                c += weight * dr.gather(mi.Vector3f, table, 4 * at + 2)
-                d += weight * dr.gather(mi.Vector3f, table, 4 * at + 3)
+                q = dr.gather(mi.Point3f, self._p, at)
+                facing = dr.dot(dr.gather(mi.Vector3f, self._n, at), n) > 0
+                distance = dr.squared_norm(p - q)
+                better = (facing & ~faces) | ((facing == faces) & (distance < best))
+                found, best = dr.select(better, at, found), dr.select(better, distance, best)
+                faces |= facing
                 at += 1
             else:
-                at, end = self._row(layout, cell, row)
+                y, z = corner.y + row % width, corner.z + row // width
+                cell = layout.w + (z * layout.y + y) * layout.x + corner.x
+                at = dr.gather(mi.UInt32, self._starts, cell)
+                end = dr.gather(mi.UInt32, self._starts, cell + width)
                 row += 1
-            going = (row < 9) | (at < end)
-        scale = dr.rcp(dr.maximum(total, 1e-30))
-        return a * scale, b * scale, c * scale, d * scale
-
-    def _cell(self, which: Any, p: Any, active: Any) -> tuple[Any, Any, Any]:
-        place: Any = dr.gather(mi.Vector4f, self._place, which, active)
-        layout: Any = dr.gather(mi.Vector4i, self._layout, which, active)
-        cell = mi.Vector3i(dr.floor((mi.Vector3f(p) - place.xyz) / place.w))
-        return place, layout, dr.clip(cell, 1, layout.xyz - 2)
-
-    def _row(self, layout: Any, cell: Any, row: Any) -> tuple[Any, Any]:
-        y, z = cell.y + row % 3 - 1, cell.z + row // 3 - 1
-        first = layout.w + (z * layout.y + y) * layout.x + cell.x - 1
-        return dr.gather(mi.UInt32, self._starts, first), dr.gather(mi.UInt32, self._starts, first + 3)
-
-    def _apart(self, node: Any, p: Any, n: Any) -> tuple[Any, Any]:
-        """Squared distance to a node, and the cosine between its normal and `n`."""
-        q = dr.gather(mi.Point3f, self._p, node)
-        return dr.squared_norm(p - q), dr.dot(dr.gather(mi.Vector3f, self._n, node), n)
+            going = (row < width**2) | (at < end)
+        return found, faces
