@@ -26,7 +26,7 @@ from nephrite.atlas.compared import Estimate
 ROOT = runner.ROOT
 FULL = {"resolution": "400x300", "each": 20.0, "rounds": 3, "reference": 1800.0, "seconds": 9000.0}
 QUICK = {"resolution": "100x75", "each": 2.0, "rounds": 1, "reference": 10.0, "seconds": 600.0}
-NOISE = 0.02  # of a reference: relative variance at which it ends
+NOISE = 0.01  # of a reference: relative variance at which it ends
 LARGEST = 6e4  # what is kept of a firefly: half precision ends there
 
 

@@ -14,7 +14,7 @@ is taken off.
 
 MEASURES = """
 The *reference* is Nephrite's walk with exact exits, which tests compare with `volpathmis`, rendered until its own
-relative variance is 2 %, or for as long as it may. *relMSE* is the mean of
+relative variance is 1 %, or for as long as it may. *relMSE* is the mean of
 (picture - reference)² / (mean² + 0.01) over the object's pixels, less the reference's own variance; the mean is the
 reference's over 5 x 5 pixels, as its own noise would count more where it is dark by chance. *Seconds to 1 %*: until it
 falls to 0.01, noise and bias together: read off the curve; with ~ extrapolated beyond its end, where noise falls as 1 /

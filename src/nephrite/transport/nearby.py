@@ -74,7 +74,7 @@ class Nearby:
         """
         place: Any = dr.gather(mi.Vector4f, self._place, which, active)
         layout: Any = dr.gather(mi.Vector4i, self._layout, which, active)
-        corner = mi.Vector3i(dr.floor((mi.Vector3f(p) - place.xyz) / place.w - 0.5 * (width - 1)))
+        corner: Any = mi.Vector3i(dr.floor((mi.Vector3f(p) - place.xyz) / place.w - 0.5 * (width - 1)))
         corner = dr.clip(corner, 0, layout.xyz - width)
         row, at, end = mi.Int32(0), mi.UInt32(0), mi.UInt32(0)
         best, found, faces = mi.Float(dr.largest(mi.Float)), mi.UInt32(0), mi.Bool(False)

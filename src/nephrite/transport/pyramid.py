@@ -10,6 +10,7 @@ between wider cells.
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from functools import reduce
 from itertools import pairwise
 from typing import Any
@@ -34,6 +35,7 @@ GRIDS = len(MEANS)
 AROUND = 2  # grids coarser: how far off neighbours are that should get as much in even light
 EVENED = GRIDS - AROUND
 COARSE = GRIDS - 1  # grid for light that has been scattered by several surfaces
+_AT_ONCE = 2  # matrices that are counted side by side: each needs copies of its walks
 
 
 class Pyramid:
@@ -101,8 +103,9 @@ class Pyramid:
             if not chosen_levels:
                 return None
             chosen = np.flatnonzero(np.isin(level, chosen_levels))
-            own, far = walks.chosen(chosen), level[chosen] > 0
-            ends = [own.back[:0], own.out[:0]]
+            known = walks if directed else replace(walks, back=walks.back[:0], out=walks.out[:0])
+            own, far = known.chosen(chosen), level[chosen] > 0
+            ends = [own.back, own.out]
             if directed:
                 turns = turned(facing[grid][cells[grid].nearest], normals).astype(np.float32)
                 ends = [
@@ -112,7 +115,7 @@ class Pyramid:
             return kernels(own, far, cells[grid], begun, *ends)
 
         remembered = (*MOMENTS[1:], ()) if len(points) < FEW else MOMENTS
-        with ThreadPoolExecutor() as pool:
+        with ThreadPoolExecutor(_AT_ONCE) as pool:
             smooth = pool.submit(smoothing, points, normals, spacing)
             means = [pool.submit(counted, grid, MEANS[grid], False) for grid in range(GRIDS)]
             moments = [pool.submit(counted, grid, remembered[grid], True) for grid in range(GRIDS)]
