@@ -14,8 +14,7 @@ import drjit as dr
 import mitsuba as mi
 
 from nephrite.bssrdf import lobe
-from nephrite.physics import phase
-from nephrite.plugins import channels, emission, glints, interface, jump, roulette, sequence, twin
+from nephrite.plugins import channels, emission, glints, guide, interface, jump, roulette, sequence, twin
 from nephrite.plugins.exits import connection_count, found_by, leave, light_density, toward, unblocked
 from nephrite.plugins.media import Media
 from nephrite.plugins.settings import Settings
@@ -65,18 +64,16 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
     within, within_shape = mi.UInt32(0), mi.UInt32(0)   # Material and shape that the path is in; 0: none
     outer, outer_shape = mi.UInt32(0), mi.UInt32(0)     # and those around it
     sigma_t, sigma_s = mi.Spectrum(0), mi.Spectrum(0)   # Coefficients per scene unit
-    g = mi.Float(0)                                     # Mean cosine
-    emitted = mi.Spectrum(0)                            # Volumetric emission
-    events = mi.UInt32(0)                               # Events since entry
-    steps = mi.UInt32(0)                                # Rays since entry
+    g, emitted = mi.Float(0), mi.Spectrum(0)            # Mean cosine, volumetric emission
+    events, steps = mi.UInt32(0), mi.UInt32(0)          # Events and rays since entry
+    thin = mi.Bool(False)                               # Is the far side near, straight on from there?
     entered = mi.Float(0)                               # Light at entry
     entry_p = mi.Point3f(0)                             # Where the path has entered,
     entry_n = mi.Vector3f(0, 0, 1)                      # the outward normal there,
     entry_w = mi.Vector3f(0, 0, 1)                      # where it came from (for directional models),
     entry_side = mi.Float(1)                            # and whether the shape's normals point outward (1) or in (-1)
-    travelled = mi.Float(0)                             # Way since entry
     deep = mi.Spectrum(0)                               # What scattering twice brings, where that is precomputed
-    reach = mi.Float(0)                                 # Length of the shape's bounding box
+    travelled, reach = mi.Float(0), mi.Float(0)         # Way since entry; length of the shape's bounding box
     cut, started = mi.Float(0), mi.Float(0)             # Light in walks that were cut short, and in all
     search = jump.idle() if media.any_jump else None    # The probe
     # fmt: on
@@ -114,6 +111,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             ray.maxt = dr.select(straight, dr.largest(mi.Float), ray.maxt)
         hit = scene.ray_intersect_preliminary(ray, coherent=False, active=active)
         if dr.hint(lamps, mode="scalar"):
+            thin = dr.select(straight, hit.t * leading < guide.THIN, thin)
             straight &= (outer == 0) & s.wants(order) & (depth + 1 < s.max_depth)
             light, straight = glints.straight_through(
                 scene, media, lamps, hit, ray, within, within_shape, β / dr.sum(ratio), sigma_t, straight
@@ -134,18 +132,19 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
 
         along = dr.exp(-sigma_t * distance)
         u = [source.even(sequence.TURN + i, paths, sampler.next_1d(active), begins) for i in range(2)]
-        turned = mi.Frame3f(ray.d).to_world(mi.Vector3f(*phase.sample(*u, g)))
+        early = inside & ~through & (events < guide.EVENTS) & (thin | media.low(within))
+        turned, favour = guide.turn(lamps, ray(free), ray.d, g, u, sampler, early)
         if dr.hint(media.transport is not None, mode="scalar"):
             # precomputed objects: what would scatter a second time on this way, in expectation, less the twin's
             second = (1 - along) * sigma_s / dr.maximum(sigma_t, 1e-30)
             L[active & inside & (events == 1)] += β / dr.sum(ratio) * second * deep
-            L[active & inside & (steps == 0)] -= deep * twin.second(
+            L[active & inside & (steps == 0)] -= deep * favour * twin.second(
                 β, ratio, channel, sigma_t, sigma_s, media.lookup(media.eta, within), entry_n, ray.d, free, turned,
             )  # fmt: skip
         density = dr.select(through, 1, along * dr.select(scatters, sigma_t, 1))
         of_leader = dr.maximum(channels.pick(density, channel), 1e-30)
         stays = inside & ~escapes
-        β[stays] = β * along * dr.select(scatters, sigma_s, 1) / of_leader
+        β[stays] = β * along * dr.select(scatters, sigma_s * favour, 1) / of_leader
         ratio[stays] = ratio * density / of_leader
         steps[active] += 1
         travelled[inside] += distance
