@@ -165,7 +165,8 @@ def test_a_moved_light_needs_no_new_walks(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("samples", "millions"), [(0, 1), (120_000 * 64, 1), (120_000 * 128, 2), (480_000 * 64, 4), (10**12, 4)]
+    ("samples", "millions"),
+    [(0, 0.5), (120_000 * 32, 0.5), (120_000 * 64, 1), (120_000 * 128, 2), (480_000 * 64, 4), (10**12, 4)],
 )
 def test_more_samples_have_more_walks(samples, millions):
     assert walks_for(samples) == millions * 1_000_000

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial import KDTree
 
-from nephrite.transport.nodes import DENSITY, interpolation, smoothing, spread
+from nephrite.transport.nodes import DENSITY, interpolation, smoothing, spread, squared_distance
 
 SPACING = 0.1
 
@@ -26,6 +26,26 @@ def test_nodes_keep_their_distance_and_leave_no_gap():
         assert tree.query(nodes, k=2)[0][:, 1].min() > SPACING
         assert tree.query(all_points)[0].max() <= SPACING
         assert len(nodes) / 4.0 * SPACING**2 == pytest.approx(DENSITY, rel=0.15)
+
+
+def test_the_first_in_a_random_order_stay():
+    """Found in rounds, of parts of the points, it is what going through them one by one finds."""
+    rng = np.random.default_rng(5)
+    points = rng.uniform(0, 1, (2000, 3)) * [2, 2, 0.1]
+    normals = rng.normal([0.0, 0.0, 1.0], 1.0, (2000, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    stay: list[int] = []
+    for i in np.random.default_rng(0).permutation(len(points)):
+        near = squared_distance(points[stay] - points[i], normals[stay], normals[i]) < SPACING**2
+        if not np.any(near & (normals[stay] @ normals[i] > 0)):
+            stay.append(i)
+    assert np.array_equal(spread(points, normals, SPACING), np.sort(stay))
+
+
+@pytest.mark.parametrize("count", [0, 1, 3])
+def test_a_few_points_all_stay(count):
+    points, normals = np.arange(3.0 * count).reshape(count, 3), np.tile([0.0, 0.0, 1.0], (count, 1))
+    assert np.array_equal(spread(points, normals, SPACING), np.arange(count))
 
 
 def test_averages_keep_to_their_side():

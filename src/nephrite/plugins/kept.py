@@ -18,7 +18,7 @@ from nephrite.plugins.balance import fingerprint
 from nephrite.plugins.media import TRANSPORT, WALK, Media
 from nephrite.plugins.transport import Transport
 
-FEWEST_WALKS, MOST_WALKS = 1_000_000, 4_000_000
+FEWEST_WALKS, MOST_WALKS = 500_000, 4_000_000
 _SAMPLES = 6  # for each walk
 LOST = 0.01  # of the light that enters a shape: what other objects in it may take
 

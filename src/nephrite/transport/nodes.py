@@ -19,6 +19,7 @@ _STEEP = 4.0
 """How much more distances count along the normals than across them. A lip and the chin below it face the same way, and
 are near each other, but not to the light; and where a surface is curved, neighbours are fewer."""
 
+_FIRST = 0.25  # of all points: those that `spread` compares with each other
 _BALANCING = 30  # rounds of scaling; errors are below 1e-5 then
 _MOST_NEAR = 24  # nodes that a point looks at: about as many as lie within reach on both sides of a thin part
 _FAR_SIDE = 1e-6  # weight of nodes that face away
@@ -33,28 +34,48 @@ def squared_distance(offset: NDArray, normal: NDArray, other: NDArray) -> NDArra
 def spread(points: NDArray, normals: NDArray, spacing: float, seed: int = 0) -> NDArray[np.int64]:
     """Return indices of `points`, [n, 3], no two of which are closer than `spacing`; none more could be added.
 
-    Distances are those of `squared_distance`. A maximal independent set, found in rounds (Luby 1986): a point stays if
-    its random priority is the highest among its neighbours'. Points whose normals face away from each other, as on both
-    sides of a leaf, are no neighbours.
+    Distances are those of `squared_distance`. A maximal independent set: a point stays unless it has a neighbour that
+    stays and comes before it in a random order. Points whose normals face away from each other, as on both sides of a
+    leaf, are no neighbours. Most points have a neighbour among the first ones that stay, and need be compared with no
+    others.
     """
-    pairs = KDTree(points).query_pairs(spacing, output_type="ndarray")
-    a, b = pairs.T
-    near = squared_distance(points[a] - points[b], normals[a], normals[b]) < spacing**2
-    pairs = pairs[near & (np.einsum("ij,ij->i", normals[a], normals[b]) > 0)]
-    priority = np.random.default_rng(seed).permutation(len(points))
-    kept = np.zeros(len(points), bool)
-    undecided = np.ones(len(points), bool)
-    while undecided.any():
-        a, b = pairs.T
+    order = np.random.default_rng(seed).permutation(len(points))
+    first, others = np.split(order, [int(_FIRST * len(order))])
+    kept = first[_first_to_stay(points[first], normals[first], spacing)]
+    if len(kept):
+        trees = KDTree(points[kept]), KDTree(points[others])
+        near = trees[0].sparse_distance_matrix(trees[1], spacing, output_type="ndarray")
+        a, b = kept[near["i"]], others[near["j"]]
         beaten = np.zeros(len(points), bool)
-        first = priority[a] > priority[b]
-        beaten[np.where(first, b, a)] = True
+        beaten[b[_neighbours(points, normals, a, b, spacing)]] = True
+        others = others[~beaten[others]]
+    return np.sort(np.concatenate([kept, others[_first_to_stay(points[others], normals[others], spacing)]]))
+
+
+def _neighbours(points: NDArray, normals: NDArray, a: NDArray, b: NDArray, spacing: float) -> NDArray:
+    """Return which pairs of points are nearer than `spacing`, and face the same way."""
+    near = squared_distance(points[a] - points[b], normals[a], normals[b]) < spacing**2
+    return near & (np.einsum("ij,ij->i", normals[a], normals[b]) > 0)
+
+
+def _first_to_stay(points: NDArray, normals: NDArray, spacing: float) -> NDArray:
+    """Return which points stay, in the order that they have: found in rounds for all at once (Luby 1986)."""
+    kept = np.zeros(len(points), bool)
+    if not len(points):
+        return kept
+    undecided = ~kept
+    pairs = np.sort(KDTree(points).query_pairs(spacing, output_type="ndarray"), axis=1)
+    pairs = pairs[_neighbours(points, normals, *pairs.T, spacing)]
+    while undecided.any():
+        before, after = pairs.T
+        beaten = np.zeros(len(points), bool)
+        beaten[after] = True
         chosen = undecided & ~beaten
         kept |= chosen
         undecided &= ~chosen
-        undecided[b[chosen[a]]] = undecided[a[chosen[b]]] = False
-        pairs = pairs[undecided[a] & undecided[b]]
-    return np.flatnonzero(kept)
+        undecided[after[chosen[before]]] = False
+        pairs = pairs[undecided[before] & undecided[after]]
+    return kept
 
 
 def smoothing(points: NDArray, normals: NDArray, width: float) -> Any:
