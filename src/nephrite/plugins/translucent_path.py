@@ -36,8 +36,8 @@ class TranslucentPath(mi.SamplingIntegrator):
        - For ``multipole``: thickness of the plate or sheet in mm; see the BSDF's ``unit``. (Default: without end)
      * - walks
        - |int|
-       - For ``transport``: walks per object that it is precomputed from. (Default: by the number of samples, from a
-         half to 4 million)
+       - For ``transport``: walks per object that it is precomputed from. (Default: by the number of samples, from
+         0.8 to 4 million)
      * - terms
        - |string|
        - ``all``, or a sum of ``reduced``, ``single`` and ``multiple``: the paths that scatter in media never,
