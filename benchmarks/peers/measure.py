@@ -11,6 +11,7 @@ where JOB.json holds `scene` (see benchmarks/scenes.py), `method` (the peer's ow
 from __future__ import annotations
 
 import json
+import math
 import os
 import resource
 import sys
@@ -62,7 +63,7 @@ def climb(
     """Render pairs of pictures with 1, 2, 4, ... samples a pixel until `seconds` would be exceeded.
 
     A renderer that precomputes much at every call gets two levels, so that its precomputation is told from its
-    samples: few, and as many as `seconds` allow.
+    samples: few, and as many as `seconds` allow; and if these are far apart, one more between them.
 
     Returns:
         For each level `spp` and the `seconds` of one picture; and the pictures, `a0`, `b0`, `a1`, ..., two a level.
@@ -104,10 +105,12 @@ def _doubled(samples: int) -> Iterator[int]:
 
 
 def _dear_levels(timed: Callable[[int], tuple[Any, float]], seconds: float) -> list[int]:
-    """Return the two numbers of samples of a renderer whose calls cost much before their first sample; else none.
+    """Return the numbers of samples of a renderer whose calls cost much before their first sample; else none.
 
     Few: they take a quarter of what goes before them. Many: two such calls have time in what two of the others leave
-    of `seconds`; they get as much time as what goes before them at least, even where there is less.
+    of `seconds`; they get as much time as what goes before them at least, even where there is less. What is
+    precomputed may grow with the samples, so that a time cannot be read off between numbers that are far apart: more
+    than 4 times the few have another pair halfway, on top of `seconds`.
     """
     one = timed(1)[1]
     if one < _DEAR * seconds:
@@ -122,7 +125,8 @@ def _dear_levels(timed: Callable[[int], tuple[Any, float]], seconds: float) -> l
         return []
     few = _power_of_two(_FEW * fixed / sample)
     left = seconds / 2 - 2 * fixed - few * sample
-    return [few, max(_power_of_two(max(left, fixed) / sample), 2 * few)]
+    many = max(_power_of_two(max(left, fixed) / sample), 2 * few)
+    return [few, many] if many <= 4 * few else [few, _power_of_two(math.sqrt(few * many)), many]
 
 
 def _power_of_two(samples: float) -> int:
