@@ -53,10 +53,14 @@ def fresh(viewer):
 
 
 def test_nothing_is_lost_in_even_light():
-    """A ball that absorbs nothing vanishes under an even sky: within 1.5 %, and 3 % in blocks of 4 x 4."""
+    """A ball that absorbs nothing vanishes under an even sky: within 1.5 %, and 3 % in blocks of 4 x 4.
+
+    Each frame of the same light makes it less noisy; in the first one a block may be 3 % off by that alone.
+    """
     scene = scenes.camera(16, fov=10.0) | {"sky": scenes.environment(1.0)}
     scene["ball"] = {"type": "sphere", "radius": 9.0} | scenes.translucent(0.0, 1.0)
-    picture = Viewer(mi.load_dict(scene), walks=WALKS).frame()
+    viewer = Viewer(mi.load_dict(scene), walks=WALKS)
+    picture = [viewer.frame() for _ in range(64)][-1]
     assert picture.mean() == pytest.approx(1.0, abs=0.015)
     blocks = picture.reshape(4, 4, 4, 4, 3).mean((1, 3))
     assert np.abs(blocks - 1).max() < 0.03
