@@ -166,8 +166,8 @@ def test_climbing_ends_in_time_and_repeats_no_seed() -> None:
 def test_a_dear_precomputation_is_paid_for_once_a_picture_and_counted(
     setup: float, expected: list[int]
 ) -> None:
-    """A quarter of 5 s, and what is left of half a minute, for samples of .125 s: 10 and 152; 100 s are more than
-    that, and as much is left for samples; .5 s are not dear."""
+    """A quarter of 5 s, and what is left of half a minute, for samples of .125 s: 10 and 152, and one between; 100 s
+    are more than that, and as much is left for samples; .5 s are not dear."""
     clock = Clock(setup, 0.125)
     levels, pictures = measure.climb(measure.Renderer(clock.render, "clock"), 100, 60.0, lambda: clock.now)
     assert [level["spp"] for level in levels] == expected

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from scipy import sparse
 
 from nephrite.transport.counted import Walks
 from nephrite.transport.nodes import interpolation
-from nephrite.transport.pyramid import Pyramid, largest
+from nephrite.transport.pyramid import Pyramid
 from support import nodes
 
 SPACING, EACH, FREE = 0.05, 64, 0.05
@@ -124,8 +123,3 @@ def test_interpolation_is_a_mean_and_knows_sides():
     assert rows[0, 0] > rows[0, 1] > 0.1
     assert rows[0, 2] < 1e-5
     assert rows[1, 3] == 1.0
-
-
-def test_the_largest_entry_of_each_row():
-    matrix = sparse.csr_matrix(np.array([[0.0, 1.0, 3.0], [2.0, 0.0, 2.0], [0.5, 0.0, 0.0]]))
-    assert np.array_equal(largest(matrix), [2, 0, 0])

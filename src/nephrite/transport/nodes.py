@@ -42,13 +42,10 @@ def spread(points: NDArray, normals: NDArray, spacing: float, seed: int = 0) -> 
     order = np.random.default_rng(seed).permutation(len(points))
     first, others = np.split(order, [int(_FIRST * len(order))])
     kept = first[_first_to_stay(points[first], normals[first], spacing)]
-    if len(kept):
-        trees = KDTree(points[kept]), KDTree(points[others])
-        near = trees[0].sparse_distance_matrix(trees[1], spacing, output_type="ndarray")
-        a, b = kept[near["i"]], others[near["j"]]
-        beaten = np.zeros(len(points), bool)
-        beaten[b[_neighbours(points, normals, a, b, spacing)]] = True
-        others = others[~beaten[others]]
+    trees = KDTree(points[kept]), KDTree(points[others])
+    near = trees[0].sparse_distance_matrix(trees[1], spacing, output_type="ndarray")
+    beaten = near["j"][_neighbours(points, normals, kept[near["i"]], others[near["j"]], spacing)]
+    others = np.delete(others, beaten)
     return np.sort(np.concatenate([kept, others[_first_to_stay(points[others], normals[others], spacing)]]))
 
 
@@ -61,8 +58,6 @@ def _neighbours(points: NDArray, normals: NDArray, a: NDArray, b: NDArray, spaci
 def _first_to_stay(points: NDArray, normals: NDArray, spacing: float) -> NDArray:
     """Return which points stay, in the order that they have: found in rounds for all at once (Luby 1986)."""
     kept = np.zeros(len(points), bool)
-    if not len(points):
-        return kept
     undecided = ~kept
     pairs = np.sort(KDTree(points).query_pairs(spacing, output_type="ndarray"), axis=1)
     pairs = pairs[_neighbours(points, normals, *pairs.T, spacing)]

@@ -85,8 +85,6 @@ class Pyramid:
 
         Nodes are at `points`, with `normals`, and keep the distance `spacing`; `free`: the least mean free path.
         """
-        pool = ThreadPoolExecutor(_AT_ONCE)
-        smooth = pool.submit(smoothing, points, normals, spacing)
         level = levels(walks.length, free)
         ups, facing, cells, nearest = [], [normals], [], np.arange(len(points))
         p, n, mass = points, normals, np.ones(len(points))
@@ -95,7 +93,7 @@ class Pyramid:
                 width = 2**grid * spacing
                 centres = spread(p, n, width)
                 up = interpolation(p, n, p[centres], n[centres], REACH * width)
-                p, n, nearest = p[centres], n[centres], largest(up)[nearest]
+                p, n, nearest = p[centres], n[centres], np.asarray(up.argmax(axis=1)).ravel()[nearest]
                 mass = up.T @ mass
                 ups.append(up)
                 facing.append(n)
@@ -117,7 +115,8 @@ class Pyramid:
             return kernels(own, far, cells[grid], begun, *ends)
 
         remembered = (*MOMENTS[1:], ()) if len(points) < FEW else MOMENTS
-        with pool:
+        with ThreadPoolExecutor(_AT_ONCE) as pool:
+            smooth = pool.submit(smoothing, points, normals, spacing)
             means = [pool.submit(counted, grid, MEANS[grid], False) for grid in range(GRIDS)]
             moments = [pool.submit(counted, grid, remembered[grid], True) for grid in range(GRIDS)]
         return cls(
@@ -184,13 +183,6 @@ class Pyramid:
                 total = total + (down @ fine) @ self.means[grid][channel] @ (fine.T @ up)
             found.append(total.toarray())
         return found
-
-
-def largest(matrix: Any) -> NDArray:
-    """Return the column of the largest entry of each row of a sparse matrix; no row may be empty."""
-    most = np.maximum.reduceat(matrix.data, matrix.indptr[:-1])
-    entries = np.flatnonzero(matrix.data == np.repeat(most, np.diff(matrix.indptr)))
-    return matrix.indices[entries[np.searchsorted(entries, matrix.indptr[:-1])]]
 
 
 def averaging(up: Any) -> Any:
