@@ -31,8 +31,6 @@ from nephrite.transport.pyramid import Pyramid
 CONNECTIONS = 64  # to lights, per node
 ROUNDS, PATHS_IN_TURN = 4, 2  # of light between surfaces, after that of the lamps; paths per node
 PATHS, MOST_PATHS = 8, 64  # of the last round, which is finer: for a million walks, and at most
-_LEAST_SECOND = 0.1  # of what scatters twice in the mean of all nodes: below, noise would be divided by it
-_SMOOTHINGS = 3  # of how much scatters twice: all that is looked up is divided by it
 _AT_ONCE = 1 << 20  # walks
 _UNSEEN = 0.3  # of the mean share of walks: what begins where no camera looks
 _SEEDS = 1 << 10  # that a render has for itself: more than walks are made in turns
@@ -42,14 +40,13 @@ _SEEDS = 1 << 10  # that a render has for itself: more than walks are made in tu
 class Surface:
     """One translucent shape: its nodes, outward normals and their spacing, and what walks carry between the nodes.
 
-    `second`: share of the light that scatters twice, [nodes, channels]; `lost`: that which other objects inside took.
+    `lost`: share of the light that other objects inside took.
     """
 
     points: NDArray
     normals: NDArray
     spacing: float
     operator: Pyramid
-    second: NDArray
     lost: float
 
 
@@ -68,13 +65,19 @@ class Transport:
     """All surfaces of a scene whose transport is precomputed: T is found at once, V by `relight`."""
 
     def __init__(
-        self, scene: Any, members: list[tuple[Any, Any]], walks: int, seed: int = 0, sensor: Any = None
-    ) -> None:  # fmt: skip
+        self,
+        scene: Any,
+        members: list[tuple[Any, Any]],
+        walks: int,
+        seed: int = 0,
+        sensor: Any = None,
+        relative: bool = True,
+    ) -> None:
         """Lay nodes on `members`, pairs of `media.Entry` and shape, and start about `walks` walks on each shape.
 
-        More of them where `sensor` looks, if there is one.
+        More of them where `sensor` looks, if there is one. `relative`: the operators find V / P, otherwise V alone.
         """
-        self.walks, self._seed = walks, _SEEDS * seed % 2**32
+        self.walks, self._seed, self._relative = walks, _SEEDS * seed % 2**32, relative
         layouts = [lay(entry, shape, scene) for entry, shape in members]
         self.lookup = Lookup(members, layouts)
         shown = np.zeros(len(self.lookup.points))
@@ -93,19 +96,17 @@ class Transport:
         points, normals = self.lookup.points[own], self.lookup.normals[own]
         at = at_nodes(points, normals)
         starts = np.repeat(np.arange(len(points), dtype=np.uint32), begun)
-        parts, second, lost = [], 0.0, 0.0
+        parts: list[Walks] = []
+        second, lost = np.zeros((len(points), 1)), 0.0
         for turn, start in enumerate(np.array_split(starts, -(-len(starts) // _AT_ONCE))):
             ends = walked.walk(scene, self._seed + turn, entry, at, shape, mi.UInt32(start))
             parts.append(self._between_nodes(ends, number, start))
             twice = [np.bincount(start, channel, len(points)) for channel in np.array(ends.twice)]
-            second += np.stack(twice, axis=1) / begun[:, None]
+            second = second + np.stack(twice, axis=1) / begun[:, None]
             lost += float(np.sum(np.array(dr.max(ends.lost)) / begun[start])) / len(points)
-        operator = Pyramid.of(points, normals, spacing, float(free_paths(entry).min()), joined(parts), begun)
-        least = np.maximum(_LEAST_SECOND * np.mean(second, axis=0), 1e-12)  # a channel may not scatter at all
-        for _ in range(_SMOOTHINGS):
-            second = operator.smooth @ second
-        second = np.maximum(second, least)
-        return Surface(points, normals, spacing, operator, second, lost)
+        free, shares = float(free_paths(entry).min()), second if self._relative else None
+        operator = Pyramid.of(points, normals, spacing, free, joined(parts), begun, shares)
+        return Surface(points, normals, spacing, operator, lost)
 
     def _between_nodes(self, ends: walked.Ends, number: int, start: NDArray) -> Walks:
         """Return the walks that brought something, from node to node of a surface; they began at `start`."""
@@ -140,14 +141,13 @@ class Transport:
         self._put(next_round(limit(rounds), paths, self._seed + 2))
 
     def _carry(self, arriving: list[Any]) -> NDArray:
-        """Return V at all nodes, [nodes, 4, channels], for what arrives there."""
+        """Return V / P at all nodes, [nodes, 4, channels], for what arrives there."""
         given = np.stack([np.array(one).T for one in arriving], axis=1)
         return np.concatenate(
             [surface.operator.apply(given[self.lookup.own(i)]) for i, surface in enumerate(self.surfaces)]
         )
 
     def _put(self, values: NDArray) -> None:
-        values = values / np.concatenate([surface.second for surface in self.surfaces])[:, None]
         three = np.broadcast_to(values, (*values.shape[:2], 3))  # a monochromatic variant has one channel
         self._values = mi.Float(three.astype(np.float32).ravel())
 

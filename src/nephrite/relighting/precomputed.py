@@ -86,7 +86,7 @@ def precompute(scene: Any, walks: int = 1_500_000) -> Precomputed:
     Raises `ParameterError` for objects that transport does not hold for.
     """
     members = surfaces(scene)
-    found = Transport(scene, members, walks)
+    found = Transport(scene, members, walks, relative=False)
     for (_, shape), surface in zip(members, found.surfaces, strict=True):
         if surface.lost > LOST:
             raise ParameterError(

@@ -35,10 +35,13 @@ class Walks:
 
 @dataclass
 class Cells:
-    """A grid's cells: that of each node, the number of its nodes, and the sum over what each takes of the nodes."""
+    """A grid's cells: that of each node, and sums over the nodes of each.
+
+    `shares`, [cells, 1 or channels]: of what kernels are relative to; `mass`: of what each cell takes of all nodes.
+    """
 
     nearest: NDArray
-    nodes: NDArray
+    shares: NDArray
     mass: NDArray
 
 
@@ -57,21 +60,22 @@ def levels(lengths: NDArray, free: float) -> NDArray:
 def kernels(
     walks: Walks, far: NDArray, cells: Cells, begun: NDArray, back: NDArray, out: NDArray
 ) -> list[Any]:  # fmt: skip
-    """Return the kernels between cells, one a channel: per node here, and per sum over the nodes there.
+    """Return the kernels between cells, one a channel: per sum of `shares` here, and over the nodes there.
 
     Walks to places nearby are counted at their start; those that are `far` at both ends, as they are reciprocal. What
     goes between two nodes is then found by all that `begun` at either. `back`, `out`: directions at both ends,
     [components, walks].
     """
-    nodes, mass = np.maximum(cells.nodes, 1e-12), np.maximum(cells.mass, 1e-12)
-    count, parts, returned = len(nodes), 1 + len(back), np.flatnonzero(far)
+    mass = np.maximum(cells.mass, 1e-12)
+    count, parts, returned = len(mass), 1 + len(back), np.flatnonzero(far)
     start, end = cells.nearest[walks.start], cells.nearest[walks.end]
     place = np.concatenate([start, end[returned]]) * count + np.concatenate([end, start[returned]])
     order = np.argsort(place)
     place = place[order]
     first = np.flatnonzero(np.diff(place, prepend=-1))
     row, column = np.divmod(place[first], count)
-    scale = (1.0 / (nodes[row] * mass[column])).astype(np.float32)
+    scales = (1.0 / (np.maximum(cells.shares[row].T, 1e-12) * mass[column])).astype(np.float32)
+    scales = np.broadcast_to(scales, (len(walks.weight), len(row)))
     found_by = begun[walks.start] + np.where(far, begun[walks.end], 0)
     weight = walks.weight / found_by.astype(np.float32)
 
@@ -82,7 +86,7 @@ def kernels(
     right = [sorted_(*both) for both in zip(out, back, strict=True)]
     starts = np.searchsorted(row, np.arange(count + 1)).astype(np.int32)
     found = []
-    for share in weight:
+    for share, scale in zip(weight, scales, strict=True):
         values = np.zeros((len(first), parts, parts), np.float32)
         share = sorted_(share, share)
         for i in range(parts):

@@ -3,8 +3,9 @@
 Light that comes from afar is smooth: it varies over distances in proportion to the way that it has come. So walks are
 sorted by the distance between their ends, and those of each level are counted between cells whose width is a share of
 that distance: a few hundred thousand numbers instead of millions of walks, and less noise, while shadows in the light
-from nearby keep their edges. What walks remember of their directions is a correction of some per cent, and is counted
-between wider cells.
+from nearby keep their edges. How much scatters twice differs from node to node more than what comes of it does: so it
+is divided by over the same cells. What walks remember of their directions is a correction of some per cent, and is
+counted between wider cells.
 """
 
 from __future__ import annotations
@@ -35,6 +36,8 @@ GRIDS = len(MEANS)
 AROUND = 2  # grids coarser: how far off neighbours are that should get as much in even light
 EVENED = GRIDS - AROUND
 COARSE = GRIDS - 1  # grid for light that has been scattered by several surfaces
+_LEAST_SHARE = 0.1  # of the mean of all nodes: below, noise would be divided by it
+_SMOOTHINGS = 3  # of shares: all that is looked up is divided by them
 _AT_ONCE = 2  # matrices that are counted side by side: each needs copies of its walks
 
 
@@ -79,25 +82,32 @@ class Pyramid:
 
     @classmethod
     def of(
-        cls, points: NDArray, normals: NDArray, spacing: float, free: float, walks: Walks, begun: NDArray
-    ) -> Pyramid:  # fmt: skip
+        cls,
+        points: NDArray,
+        normals: NDArray,
+        spacing: float,
+        free: float,
+        walks: Walks,
+        begun: NDArray,
+        second: NDArray | None = None,
+    ) -> Pyramid:
         """Count `walks`, of which so many have `begun` at each node.
 
-        Nodes are at `points`, with `normals`, and keep the distance `spacing`; `free`: the least mean free path.
+        Nodes are at `points`, with `normals`, and keep the distance `spacing`; `free`: the least mean free path. With
+        `second`, the share of light that scatters twice, [nodes, channels], T is relative to it: what is seen for all
+        of the light that does.
         """
         level = levels(walks.length, free)
-        ups, facing, cells, nearest = [], [normals], [], np.arange(len(points))
-        p, n, mass = points, normals, np.ones(len(points))
-        for grid in range(GRIDS):
-            if grid:
-                width = 2**grid * spacing
-                centres = spread(p, n, width)
-                up = interpolation(p, n, p[centres], n[centres], REACH * width)
-                p, n, nearest = p[centres], n[centres], np.asarray(up.argmax(axis=1)).ravel()[nearest]
-                mass = up.T @ mass
-                ups.append(up)
-                facing.append(n)
-            cells.append(Cells(nearest, np.bincount(nearest, minlength=len(p)), mass))
+        with ThreadPoolExecutor(1) as beside:
+            smoothed = beside.submit(smoothing, points, normals, spacing)
+            ups, facing = _grids(points, normals, spacing)
+            smooth = smoothed.result()
+        shares = np.ones((len(points), 1)) if second is None else _without_noise(second, smooth)
+        cells = [Cells(np.arange(len(points)), shares, np.ones(len(points)))]
+        for up in ups:
+            nearest = np.asarray(up.argmax(axis=1)).ravel()[cells[-1].nearest]
+            sums = [np.bincount(nearest, channel, up.shape[1]) for channel in shares.T]
+            cells.append(Cells(nearest, np.stack(sums, axis=1), up.T @ cells[-1].mass))
 
         def counted(grid: int, chosen_levels: tuple[int, ...], directed: bool) -> list[Any] | None:
             if not chosen_levels:
@@ -116,12 +126,9 @@ class Pyramid:
 
         remembered = (*MOMENTS[1:], ()) if len(points) < FEW else MOMENTS
         with ThreadPoolExecutor(_AT_ONCE) as pool:
-            smooth = pool.submit(smoothing, points, normals, spacing)
             means = [pool.submit(counted, grid, MEANS[grid], False) for grid in range(GRIDS)]
             moments = [pool.submit(counted, grid, remembered[grid], True) for grid in range(GRIDS)]
-        return cls(
-            ups, facing, [one.result() for one in means], [one.result() for one in moments], smooth.result()
-        )
+        return cls(ups, facing, [one.result() for one in means], [one.result() for one in moments], smooth)
 
     def apply(self, arriving: NDArray) -> NDArray:
         """Return what is seen at the nodes, [nodes, 4, channels], of what arrives there.
@@ -183,6 +190,25 @@ class Pyramid:
                 total = total + (down @ fine) @ self.means[grid][channel] @ (fine.T @ up)
             found.append(total.toarray())
         return found
+
+
+def _grids(points: NDArray, normals: NDArray, spacing: float) -> tuple[list[Any], list[NDArray]]:
+    """Return `ups` and `facing` of a `Pyramid`."""
+    ups, facing = [], [normals]
+    for grid in range(1, GRIDS):
+        width = 2**grid * spacing
+        centres = spread(points, facing[-1], width)
+        ups.append(interpolation(points, facing[-1], points[centres], facing[-1][centres], REACH * width))
+        points = points[centres]
+        facing.append(facing[-1][centres])
+    return ups, facing
+
+
+def _without_noise(shares: NDArray, smooth: Any) -> NDArray:
+    least = np.maximum(_LEAST_SHARE * np.mean(shares, axis=0), 1e-12)  # a channel may not scatter at all
+    for _ in range(_SMOOTHINGS):
+        shares = smooth @ shares
+    return np.maximum(shares, least)
 
 
 def averaging(up: Any) -> Any:
