@@ -38,5 +38,7 @@ def test_a_vector_keeps_its_length_over_a_bend():
     coarse, fine = np.array([[0, 0, 1.0]]), np.array([[np.sqrt(0.75), 0, 0.5]])
     turn = turning(sparse.csr_matrix([[0.5]]), fine, coarse)
     for vector, expected in (([1.0, 0, 0], [0.5, 0, -np.sqrt(0.75)]), ([0, 1.0, 0], [0, 1.0, 0])):
-        found = (turn @ (frames(coarse)[0] @ vector)) @ frames(fine)[0]
+        first, second = frames(coarse)[0] @ vector
+        turned_to = turn[0, 0] * (first + 1j * second)
+        found = np.array([turned_to.real, turned_to.imag]) @ frames(fine)[0]
         assert found == pytest.approx(0.5 * np.array(expected), abs=1e-6)

@@ -36,12 +36,13 @@ def turned(normals: NDArray, to: NDArray) -> NDArray:
 
 
 def turning(up: Any, fine: NDArray, coarse: NDArray) -> Any:
-    """Return the matrix [2 fine, 2 coarse] that does with vectors what `up` does with values.
+    """Return the matrix [fine, coarse] that does with vectors what `up` does with values.
 
+    Vectors are complex numbers here, of two components in the frames: then a turn is one factor, not four.
     `fine`, `coarse`: normals of the points that it leads to, and from.
     """
     row = np.repeat(np.arange(up.shape[0]), np.diff(up.indptr))
-    there = turned(coarse[up.indices], fine[row])
-    blocks = up.data[:, None, None] * (frames(fine)[row] @ there.transpose(0, 2, 1))
-    size = (2 * up.shape[0], 2 * up.shape[1])
-    return sparse.bsr_matrix((blocks.astype(np.float32), up.indices, up.indptr), shape=size).tocsr()
+    there = turned(coarse[up.indices], fine[row])[:, 0]
+    real, imaginary = np.einsum("nkj,nj->kn", frames(fine)[row], there)
+    factors = (up.data * (real + 1j * imaginary)).astype(np.complex64)
+    return sparse.csr_matrix((factors, up.indices, up.indptr), shape=up.shape)

@@ -55,9 +55,9 @@ class Pyramid:
     ) -> None:
         """Hold the matrices; `smooth` takes the noise of single nodes out of their means."""
         self.ups, self.facing, self.means, self.moments, self.smooth = ups, facing, means, moments, smooth
-        self._frames = frames(facing[0]).astype(np.float32)
+        self._frames = np.ascontiguousarray(np.einsum("nkj,k->jn", frames(facing[0]), [1, 1j]), np.complex64)
         self._turns = [turning(up, *both) for up, both in zip(ups, pairwise(facing), strict=True)]
-        self._back_turns = [turn.T.tocsr() for turn in self._turns]
+        self._back_turns = [turn.conj().T.tocsr() for turn in self._turns]
         self._downs = [up.T.tocsr() for up in ups]
         self._mass = [np.ones(smooth.shape[0], np.float32)]
         for down in self._downs:
@@ -139,27 +139,39 @@ class Pyramid:
 
     def channel(self, arriving: NDArray, channel: int) -> NDArray:
         """Return the same for one channel: [nodes, 4] of [nodes, 4]."""
-        given = [np.ascontiguousarray(arriving[:, 0], np.float32)]
-        vectors = [np.einsum("nkj,nj->nk", self._frames, arriving[:, 1:]).astype(np.float32)]
+        mean, vectors = self.carried(arriving[:, 0], self.tangential(arriving[:, 1:].T), channel)
+        return np.stack([mean, *np.real(np.conj(self._frames) * vectors)], axis=1)
+
+    def tangential(self, vectors: NDArray) -> NDArray:
+        """Return what is tangential at the nodes of vectors, [3, nodes], as complex numbers (see `frames.turning`)."""
+        found = np.zeros(self._frames.shape[1], np.complex64)
+        for axis, values in zip(self._frames, vectors, strict=True):
+            found += axis * np.asarray(values, np.float32)
+        return found
+
+    def carried(self, mean: NDArray, vectors: NDArray, channel: int) -> tuple[NDArray, NDArray]:
+        """Return what is seen at the nodes in one channel, of what arrives: a mean, and tangential vectors."""
+        given, turned_to = [np.ascontiguousarray(mean, np.float32)], [vectors]
         for down, back in zip(self._downs, self._back_turns, strict=True):
             given.append(down @ given[-1])
-            vectors.append((back @ vectors[-1].ravel()).reshape(-1, 2))
-        found = [np.zeros((len(values), 3), np.float32) for values in given]
-        for grid, values in enumerate(given):
+            turned_to.append(back @ turned_to[-1])
+        found, directed = np.zeros(0, np.float32), np.zeros(0, np.complex64)
+        for grid in reversed(range(GRIDS)):  # what the coarser ones bring is handed on to the finer
+            coarser = grid < COARSE
+            found = self.ups[grid] @ found if coarser else np.zeros_like(given[grid])
+            directed = self._turns[grid] @ directed if coarser else np.zeros_like(turned_to[grid])
             if self.means[grid]:
-                found[grid][:, 0] = self.means[grid][channel] @ values
+                found += self.means[grid][channel] @ given[grid]
             if self.moments[grid]:
-                both = np.column_stack([values, vectors[grid]]).ravel()
-                found[grid] += (self.moments[grid][channel] @ both).reshape(-1, 3)
-        for grid, excess in enumerate(self._excess):
-            around = given[grid + AROUND] / self._mass[grid + AROUND]
-            found[grid][:, 0] -= excess[channel] * self._finer(around, grid + AROUND, grid)
-        for grid in range(GRIDS - 1, 0, -1):
-            up, turn = self.ups[grid - 1], self._turns[grid - 1]
-            found[grid - 1][:, 0] += up @ np.ascontiguousarray(found[grid][:, 0])
-            found[grid - 1][:, 1:] += (turn @ found[grid][:, 1:].ravel()).reshape(-1, 2)
-        mean = self.smooth @ np.ascontiguousarray(found[0][:, 0])
-        return np.column_stack([mean, np.einsum("nkj,nk->nj", self._frames, found[0][:, 1:])])
+                both = np.empty((len(found), 3), np.float32)
+                both[:, 0], both[:, 1:] = given[grid], _components(turned_to[grid])
+                sums = (self.moments[grid][channel] @ both.ravel()).reshape(-1, 3)
+                found += sums[:, 0]
+                _components(directed)[:] += sums[:, 1:]
+            if grid < EVENED:
+                around = given[grid + AROUND] / self._mass[grid + AROUND]
+                found -= self._excess[grid][channel] * self._finer(around, grid + AROUND, grid)
+        return self.smooth @ found, directed
 
     def averaged(self, values: NDArray) -> NDArray:
         """Return means over the cells of the grid `COARSE`, of values at the nodes."""
@@ -209,6 +221,11 @@ def _without_noise(shares: NDArray, smooth: Any) -> NDArray:
     for _ in range(_SMOOTHINGS):
         shares = smooth @ shares
     return np.maximum(shares, least)
+
+
+def _components(vectors: NDArray) -> NDArray:
+    """Return the two components of complex numbers, [n, 2], in the same memory."""
+    return vectors.view(np.float32).reshape(-1, 2)
 
 
 def averaging(up: Any) -> Any:
