@@ -57,18 +57,17 @@ class Gather:
 
     def turn(self, lamp: Lamp, turn: int) -> Arrived:
         """Return what the samples of one turn bring."""
-        found = [
-            *self._nodes(lamp, turn),
-            self._stations(lamp, turn),
-            self._points(lamp, turn),
-            self._picture(lamp),
-        ]
-        dr.eval(found)
-        arrays = [np.array(one) for one in found]
-        if self._surroundings.open is not None:
-            reflected = np.array(_along(lamp, self._surroundings.open, len(self._lookup.points)))
-            arrays[0], arrays[4] = arrays[0] + reflected, arrays[4] + reflected
-        return Arrived(np.stack(arrays[:4], axis=1), *arrays[4:])
+        parts = []
+        for part in (self._nodes, self._stations, self._points, self._picture, self._reflected):
+            parts.append(part(lamp, turn))
+            dr.eval(parts[-1])  # it runs while the next one is being put together
+        nodes, *others, reflected = parts
+        if reflected is not None:
+            nodes[0] += reflected
+            nodes[4] += reflected
+            dr.eval(nodes)
+        mean = [_array(sums) for sums in nodes]
+        return Arrived(np.stack(mean[:4], axis=1), mean[4], *(_array(one) for one in others))
 
     def _nodes(self, lamp: Lamp, turn: int) -> list[Any]:
         """Return `nodes`, as a mean and three moments, and `plain`."""
@@ -106,8 +105,18 @@ class Gather:
         d, light = lamp.sent(self._solid, view.at, view.sequence(turn))
         return light * view.at.bsdf().eval(mi.BSDFContext(), view.at, view.at.to_local(d)) * view.inverse
 
-    def _picture(self, lamp: Lamp) -> Any:
+    def _picture(self, lamp: Lamp, _: int) -> Any:
         return _along(lamp, self._view.open, self._view.pixels)
+
+    def _reflected(self, lamp: Lamp, _: int) -> Any:
+        """Return what nodes get by reflections in objects, or None."""
+        rays = self._surroundings.open
+        return None if rays is None else _along(lamp, rays, len(self._lookup.points))
+
+
+def _array(channels: Any) -> NDArray:
+    """Return an array of channels, [channels, points]."""
+    return np.stack([np.broadcast_to(channel.numpy(), dr.width(channels)) for channel in channels])
 
 
 def _along(lamp: Lamp, rays: Open, count: int) -> Any:
