@@ -17,9 +17,9 @@ from scipy import sparse
 
 from nephrite.plugins import interface
 from nephrite.plugins.lookup import Lookup
-from nephrite.relighting.matrices import of_entries
+from nephrite.relighting.matrices import beside, of_entries
 from nephrite.relighting.samples import TILE, Sequence, over_pixels
-from nephrite.relighting.surroundings import FROM_PIXELS, Open, Seen, Surroundings, faced
+from nephrite.relighting.surroundings import FROM_PIXELS, Open, Surroundings, faced
 from nephrite.transport.nodes import REACH, interpolation
 
 SIDE = 2  # of the square of rays in a pixel
@@ -31,10 +31,11 @@ _ALIKE = 0.9  # cosine between the normals of neighbouring pixels that are avera
 class View:
     """A camera's picture as matrices and points; see the attributes.
 
-    `nodes`: [pixels, nodes], from X towards the camera; `reflected`: from X and stations' radiance, seen in surfaces;
-    `toward`: directions from the nodes to the camera; `open`: rays to lamps. `at`: the points of other surfaces,
-    `sequence` their samples, `pixel` where they are, `albedo` and `share` what they reflect and cover, `mean` the
-    average over neighbours, `seen` what reaches them from nodes and stations.
+    `nodes`: [pixels, nodes], from X towards the camera; `shown`: one matrix a channel, from the same, and from X and
+    stations' radiance as seen in surfaces; `toward`: directions from the nodes to the camera; `open`: rays to lamps.
+    `at`: the points of other surfaces, `sequence` their samples, `pixel` where they are, `inverse` and `reflects` of
+    their albedo, the latter by what they cover, `mean` the average over neighbours, `seen` what reaches them from nodes
+    and stations.
     """
 
     def __init__(
@@ -57,6 +58,7 @@ class View:
         self._look(si, x, shown, hit, of_pixel, rays, layouts)
         self._follow(*self._reflect(rays, si, x, hit, of_pixel, media, number))
         self._points(rays, si, hits, of_pixel)
+        self.shown = [beside(self.nodes, *reflected) for reflected in zip(*self._reflected, strict=True)]
         self.open = _joined(self._open)
 
     def _keep_camera(self, rays: Any, si: Any, pixel: NDArray) -> None:
@@ -126,7 +128,7 @@ class View:
         return tuple(np.concatenate(part) for part in zip(*parts, strict=True))
 
     def _follow(self, o: NDArray, d: NDArray, pixel: NDArray, weight: NDArray) -> None:
-        """Find what such rays meet; `reflected` holds matrices from X and from stations' radiance, one a channel."""
+        """Find what such rays meet; `_reflected` holds matrices from X and from stations' radiance, one a channel."""
         lookup, shape = self._lookup, (self.pixels, len(self._lookup.points))
         entries: list[list[tuple[Any, ...]]] = [[], []]
         for _ in range(REFLECTIONS):
@@ -153,29 +155,30 @@ class View:
             o, d = np.array(following.o).T[kept], np.array(following.d).T[kept]
             pixel, weight = pixel[kept], weight[kept]
         shapes = (shape, (self.pixels, self._surroundings.count))
-        self.reflected = [of_entries(parts, size) for parts, size in zip(entries, shapes, strict=True)]
+        self._reflected = [of_entries(parts, size) for parts, size in zip(entries, shapes, strict=True)]
 
     def _points(self, rays: Any, si: Any, hits: Any, pixel: NDArray) -> None:
         """Choose a point of the other surfaces in each pixel that shows one."""
         other = np.flatnonzero(np.array(si.is_valid() & ~hits))
         cover = np.bincount(pixel[other], minlength=self.pixels) / SIDE**2
         self.pixel, first = np.unique(pixel[other], return_index=True)
-        self.share = cover[self.pixel].astype(np.float32)
         self.at: Any = None
-        self.seen: Seen | None = None
+        self.seen: Any = None
         if not len(self.pixel):
             return
         chosen = mi.UInt32(other[first])
         self.at = self._solid.ray_intersect(dr.gather(mi.Ray3f, rays, chosen))
         dr.eval(self.at)
-        self.albedo = np.maximum(Surroundings.reflectance(self.at), 1e-4)
-        self.inverse = mi.Spectrum((1 / self.albedo).T)
+        albedo = np.maximum(Surroundings.reflectance(self.at), 1e-4).T
+        self.inverse = mi.Spectrum(1 / albedo)
+        self.reflects = cover[self.pixel].astype(np.float32) * albedo
         y, x = np.divmod(self.pixel, self.width)
         self.sequence: Sequence = over_pixels(x, y)
         self.mean = self._neighbours(x, y)
-        self.seen = self._surroundings.seen(
+        seen = self._surroundings.seen(
             faced(self._solid.ray_intersect(dr.gather(mi.Ray3f, rays, chosen))), FROM_PIXELS, 3
         )
+        self.seen = beside(seen.nodes, seen.stations)
 
     def _neighbours(self, x: NDArray, y: NDArray) -> Any:
         """Return the mean over pixels around, of the same surface; each of a tile's has equal weight in it."""

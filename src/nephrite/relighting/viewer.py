@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 import time
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 from numpy.typing import NDArray
-from scipy import linalg, sparse
 
 from nephrite.errors import VariantError, unknown_name
 from nephrite.plugins import collector
@@ -18,14 +18,16 @@ from nephrite.plugins.lookup import Lookup
 from nephrite.plugins.media import Media
 from nephrite.relighting import precomputed
 from nephrite.relighting.arrivals import Arrived, Gather
+from nephrite.relighting.exchange import Exchange
+from nephrite.relighting.matrices import thinned
 from nephrite.relighting.once import scattered_once
 from nephrite.relighting.precomputed import Precomputed
 from nephrite.relighting.stage import Stage
-from nephrite.relighting.surroundings import Surroundings, interreflection
+from nephrite.relighting.surroundings import Surroundings
 from nephrite.relighting.view import View
-from nephrite.transport.pyramid import averaging
 
 FIRST_TURNS = 16  # of an environment: its light comes from all sides
+_DROPPED = 1e-3  # share of single scattering at a node that may be taken for what comes from elsewhere
 
 
 class Viewer:
@@ -68,9 +70,9 @@ class Viewer:
             self._surroundings = Surroundings(self._stage.solid, self._lookup, self._members)
             everywhere = np.arange(len(self._lookup.points))
             once = scattered_once(self._stage.solid, self._lookup, self._members, everywhere)
-            self._once_sent = np.column_stack([np.asarray(matrix.sum(axis=1)).ravel() for matrix in once])
-            self._kept = self._deep()
-            self._coarse(once)
+            self._exchange = Exchange(
+                transport.operators, self._lookup, self._surroundings, self._members, once
+            )
         self._camera = b""
         self._states: dict[str, bytes] = {}
         self._arrived: dict[str, tuple[Arrived, int]] = {}
@@ -111,10 +113,9 @@ class Viewer:
             solid, lookup, around = self._stage.solid, self._lookup, self._surroundings
             self.view = View(solid, self._sensor, lookup, around, self.transport.layouts, self._media)
             seen = np.flatnonzero(np.diff(self.view.nodes.tocsc().indptr))
-            self._once = scattered_once(solid, lookup, self._members, seen, self.view.toward)
-            n = lookup.normals
-            tangential = self.view.toward - n * np.einsum("ij,ij->i", n, self.view.toward)[:, None]
-            self._toward = np.column_stack([np.ones(len(n)), tangential]).astype(np.float32)
+            once = scattered_once(solid, lookup, self._members, seen, self.view.toward)
+            self._once = thinned(once, _DROPPED)
+            self._toward = np.conj(self._exchange.tangential(self.view.toward.T))
             self._gathering = Gather(solid, lookup, around, self.view)
             self._camera = digest
             self._states, self._arrived = {}, {}
@@ -149,62 +150,23 @@ class Viewer:
     def _show(self, arrived: Arrived) -> NDArray[np.float32]:
         """Return the picture that comes of what arrives."""
         start = time.perf_counter()
-        channels = [self._channel(arrived, c) for c in range(3)]
+        picture = np.empty((self.view.pixels, 3), np.float32)
+        with ThreadPoolExecutor(3) as pool:  # sparse products run beside each other
+            for c, channel in enumerate(pool.map(lambda c: self._channel(arrived, c), range(3))):
+                np.maximum(channel, 0, out=picture[:, c])
         self.seconds["picture"] = time.perf_counter() - start
-        picture = np.maximum(np.stack(channels, axis=1), 0)
         return picture.reshape(self.view.height, self.view.width, 3)
 
     def _channel(self, arrived: Arrived, c: int) -> NDArray[np.float32]:
-        """Return one channel of it, [pixels]: light goes to stations, between surfaces, through objects, to the eye."""
-        view, around = self.view, self._surroundings
-        radiance = around.albedo[:, c] * arrived.stations[c]
-        more = around.from_nodes.stations @ radiance
-        operators = [(operator, self._lookup.own(i)) for i, operator in enumerate(self.transport.operators)]
-        once = arrived.nodes[c, 0] + more
-        further = self._further[c] @ np.concatenate(
-            [operator.averaged(once[own]) for operator, own in operators]
-        )
-        cells = np.split(further, self._cells)
-        more += np.concatenate([o.interpolated(part) for (o, _), part in zip(operators, cells, strict=True)])
-        arriving = np.stack(arrived.nodes[c], axis=1)
-        arriving[:, 0] += more
-        carried = np.concatenate([operator.channel(arriving[own], c) for operator, own in operators])
-        shallow = (arrived.plain[c] - self._kept * arrived.nodes[c, 0]) / (1 - self._kept) + more
-        sent = carried[:, 0] + self._once_sent[:, c] * shallow
-        shown = np.einsum("ij,ij->i", self._toward, carried) + self._once[c] @ shallow
-        radiance = radiance + around.albedo[:, c] * (
-            around.from_stations.nodes @ sent + around.from_stations.stations @ radiance
-        )
-        picture = arrived.picture[c] + view.nodes @ shown
-        picture += view.reflected[0][c] @ sent + view.reflected[1][c] @ radiance
+        """Return one channel of it, [pixels]: light goes where it does in the scene, and then to the eye."""
+        view, sent = self.view, self._exchange.sent(arrived, c)
+        shown = sent.mean + np.real(self._toward * sent.directed)
+        shown += self._once[c] @ sent.shallow
+        picture = arrived.picture[c] + view.shown[c] @ np.concatenate([shown, sent.x])
         if view.seen is not None:
-            points = view.mean @ (arrived.points[c] + view.seen.nodes @ sent + view.seen.stations @ radiance)
-            picture[view.pixel] += view.share * view.albedo[:, c] * points
+            points = view.mean @ (arrived.points[c] + view.seen @ sent.x)
+            picture[view.pixel] += view.reflects[c] * points
         return picture
-
-    def _deep(self) -> NDArray:
-        """Return, for each node, the share of light that scatters again after one event."""
-        kept = [1.0 - entry.single_share for entry, _ in self._members]
-        counts = np.diff(self._lookup.firsts)
-        return np.repeat(kept, counts).astype(np.float32)
-
-    def _coarse(self, scattered_once: list[Any]) -> None:
-        """Prepare what comes of light that goes from object to object, or over stations and back."""
-        operators = self.transport.operators
-        up = sparse.block_diag([operator.up(len(operator.ups)) for operator in operators], "csr")
-        down = averaging(up)
-        transport = [
-            linalg.block_diag(*parts) for parts in zip(*(o.coarse() for o in operators), strict=True)
-        ]
-        around = self._surroundings
-        once = [(down @ matrix @ up).toarray() for matrix in scattered_once]
-        direct = down @ around.from_nodes.nodes @ up
-        again = []
-        for c in range(3):
-            over = sparse.diags(around.albedo[:, c]) @ (around.from_stations.nodes @ up)
-            again.append((direct + (down @ around.from_nodes.stations) @ over).toarray())
-        self._cells = np.cumsum([operator.ups[-1].shape[1] for operator in operators])[:-1]
-        self._further = interreflection([a + b for a, b in zip(transport, once, strict=True)], again)
 
 
 def _state(sensor: Any) -> bytes:
