@@ -76,9 +76,9 @@ class Exchange:
         radiance = albedo * arrived.stations[c]
         more = self._around.from_nodes.stations @ radiance
         once = mean + more
-        further = self._further[c] @ np.concatenate(
-            [operator.averaged(once[own]) for operator, own in operators]
-        )
+        averages = np.concatenate([operator.averaged(once[own]) for operator, own in operators])
+        # not `@`: BLAS would do it in threads, which then wait in a loop for more, and take the other core's time
+        further = np.einsum("ij,j->i", self._further[c], averages)
         cells = np.split(further, self._cells)
         more += np.concatenate([o.interpolated(part) for (o, _), part in zip(operators, cells, strict=True)])
         arriving = mean + more
