@@ -1,0 +1,5 @@
+"""`python -m benchmarks.levers`: see `run`."""
+
+from benchmarks.levers.run import main
+
+main()

@@ -1,0 +1,50 @@
+"""What the page of the levers says in words."""
+
+from __future__ import annotations
+
+MADE = "<!-- Made by `python -m benchmarks.levers`: change the code in benchmarks/levers, not this page. -->"
+
+HEAD = """
+What makes `walk` and `transport` fast, and what each part of it is worth: benchmark scene B1, the skim-milk dragon, at
+{resolution} pixels, rendered with all levers and without each in turn. *Worth* is the efficiency, mean² / (variance x
+seconds) over the object's pixels, with all of them over that without the one: 2 is half the time to the same noise.
+`walk` with {walk} samples a pixel, `transport` with {transport}, its precomputation counted for each picture. {rounds}
+rounds; in brackets the least and the largest. What is worth less than it varies from round to round pays elsewhere, or
+in the picture's worst pixels.
+
+Version {version}, {cores} processor cores, measured from {first} to {last} UTC.
+"""
+
+TITLES = {"walk": "The walk", "transport": "Precomputed transport"}
+
+WHERE = """
+Of one picture of each model. Kernels are what Dr.Jit has compiled, with Embree's rays in them; several may run beside
+NumPy. Rays of `transport` include those of its walks. Compiling is what an empty cache of kernels costs; the next
+process finds them there.
+"""
+
+DROPPED = """
+## Tried and not kept
+
+No command repeats these, as their code is gone; so here are no figures.
+
+- *Steps deep inside that need no ray*, by a grid of distances to the surface: a third to a half of a walk's rays went,
+  and none of its time. They were the cheap ones: short rays far from any triangle.
+- *More turns toward lamps, or a sharper lobe*: single scattering gets less noisy, what scatters again more so. In thick
+  parts all guiding loses.
+- *Compacting long tails* into full vectors: nothing beside lanes that start their next path; vectors of 4 and 8 lanes
+  in place of 16 neither.
+- *Walks of `transport` that also begin where light falls*: it would depend on the light, for no less relative noise.
+- *Transport looked up where a path has first scattered*, not where it entered: less noise, as no directions need be
+  remembered at the camera's end, and more bias.
+- *Light's share that scatters twice, sampled at the light's end too*: brighter and darker blocks than without.
+"""
+
+AGAIN = """
+## Again
+
+```
+.venv/bin/python -m benchmarks.levers            # some 15 minutes; again: what is missing
+.venv/bin/python -m benchmarks.levers --quick    # small pictures, into out/bench-quick
+```
+"""
