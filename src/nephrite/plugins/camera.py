@@ -6,6 +6,7 @@ A vectorised loop runs until the slowest of its lanes is done, and walks have lo
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import drjit as dr
@@ -15,6 +16,16 @@ from nephrite.plugins import sequence
 
 PATHS_PER_LANE = 64
 MIN_LANES = 1 << 17
+
+
+@dataclass
+class Result:
+    """What a wavefront brought: radiance, whether anything was hit; light in walks started, and cut, per lane."""
+
+    L: Any
+    valid: Any
+    cut: Any
+    started: Any
 
 
 class OneRay:

@@ -39,6 +39,25 @@ def may_meet(spheres: list[tuple[Any, Any]], p: Any, direction: Any) -> Any:
     return meets
 
 
+def horizon(spheres: list[tuple[Any, Any]], ray: Any, weight: Any, sigma_t: Any, eta: Any) -> Any:
+    """Return a distance behind which `straight_through` finds no lamp, for a ray inside with light of a `weight`.
+
+    A surface bends what it lets out by 90 degrees less the critical angle, or less: mostly no lamp is that way.
+    """
+    left = dr.max(dr.log(dr.maximum(weight, _LEAST) / _LEAST) / dr.maximum(sigma_t, 1e-30))
+    bent = dr.select(eta > 1, 0.5 * dr.pi - dr.safe_asin(dr.rcp(eta)), 0.5 * dr.pi)
+    result = mi.Float(0)
+    for centre, radius in spheres:
+        offset = centre - ray.o
+        distance = dr.norm(offset)
+        # as wide as it is seen from anywhere on that way
+        wide = dr.safe_asin((radius + left) / distance)
+        wide = dr.select(radius + left < distance, wide, dr.pi)
+        away = dr.safe_acos(dr.dot(offset, ray.d) / distance)
+        result = dr.select(away < bent + wide, left, result)
+    return result
+
+
 def lamp(scene: Any, ray: Any, active: Any) -> Any:
     """Return the light of the lamp's surface that the ray meets first; 0 if it meets none."""
     si = scene.ray_intersect(ray, active)

@@ -62,6 +62,19 @@ def bent(si: Any, direction: Any, local: Any) -> tuple[Any, Any]:
     return reflects, sent + normal * dr.maximum(-2 * dr.dot(sent, normal), 0)
 
 
+def scattered(
+    media: Any, number: Any, si: Any, d: Any, sampler: Any, active: Any
+) -> tuple[Any, Any, Any, Any, Any]:
+    """Sample the rough surface of material `number`, which light meets in the direction `d`.
+
+    Returns whether it reflects, where to, the weight, the density, and whether there is none (Dirac's delta).
+    """
+    choice, spot = sampler.next_1d(active), sampler.next_2d(active)
+    bs, weight = media.sample_surface(number, si, choice, spot, active)
+    reflects, direction = bent(si, d, bs.wo)
+    return reflects, direction, weight, bs.pdf, mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
+
+
 def _cross(normal: Any, direction: Any, eta: Any) -> Crossing:
     cos_i = -dr.dot(direction, normal)
     reflectance, cos_t, _, eta_ti = mi.fresnel(cos_i, eta)

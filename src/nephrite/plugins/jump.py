@@ -76,6 +76,19 @@ def begin(worth: Any, active: Any) -> Search:
     return search
 
 
+def take_over(
+    media: Any, number: Any, sigma_t: Any, sigma_s: Any, weight: Any, initial: Any, active: Any
+) -> tuple[Any, Search]:
+    """Begin the jump of a path of a `weight` at its second event; return its throughput, and the search.
+
+    `number`: its material; `initial`: the sum of the throughputs that it began with.
+    """
+    share = media.lookup(media.single_share, number)
+    β = mi.Spectrum(weight / arriving(sigma_s / dr.maximum(sigma_t, 1e-30), share))
+    worth = dr.sum(weight) / initial
+    return β, begin(worth, active & (worth > 0))
+
+
 def chord(
     search: Search, kernels: Kernels, place: Place, origin: Any, outward: Any, β: Any, sampler: Any, active: Any
 ) -> tuple[Search, Any, Any]:  # fmt: skip
@@ -145,3 +158,27 @@ def advance(search: Search, si: Any, ray: Any, active: Any) -> Any:
     search.left = dr.select(active, left, search.left)
     search.active &= ~active | (left > 0) | (search.begun < search.chords)
     return following
+
+
+def follow(
+    search: Search, scene: Any, media: Any, number: Any, sigma_t: Any, sigma_s: Any, g: Any, si: Any, ray: Any,
+    side: Any, origin: Any, outward: Any, β: Any, sampler: Any, counts: Any, active: Any,
+) -> tuple[Search, Any]:  # fmt: skip
+    """Go on from what the probe has met, `si`, and count it where it `counts`; return the search, and where it is.
+
+    Along the rest of most chords nothing lies. A shadow ray tells, and costs less than a turn of the loop.
+    """
+    place = media.kernels.place(number, sigma_t - sigma_s, sigma_s, g)
+    balance = media.balanced(number, origin, si.p, sampler.next_1d(counts))
+    search = visit(
+        search, media.kernels, place, media.other_end(number, si, counts), balance, si, side, origin, outward, β,
+        sampler.next_1d(counts), counts,
+    )  # fmt: skip
+    following = advance(search, si, ray, active)
+    rest = mi.Ray3f(ray)
+    rest.o, rest.maxt = following, search.left
+    ends = active & (search.left > 0)
+    ends &= ~scene.ray_test(rest, ends)
+    search.left = dr.select(ends, 0.0, search.left)
+    search.active &= ~ends | (search.begun < search.chords)
+    return search, following

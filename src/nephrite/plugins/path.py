@@ -7,7 +7,6 @@ scales nothing.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import drjit as dr
@@ -15,19 +14,11 @@ import mitsuba as mi
 
 from nephrite.bssrdf import lobe
 from nephrite.plugins import channels, emission, glints, guide, interface, jump, roulette, sequence, twin
+from nephrite.plugins.camera import Result
 from nephrite.plugins.exits import connection_count, found_by, leave, light_density, toward, unblocked
 from nephrite.plugins.media import Media
 from nephrite.plugins.settings import Settings
-
-
-@dataclass
-class Result:
-    """What a wavefront brought: radiance, whether anything was hit; light in walks started, and cut, per lane."""
-
-    L: Any
-    valid: Any
-    cut: Any
-    started: Any
+from nephrite.plugins.shortcut import hurry
 
 
 @dr.syntax
@@ -38,6 +29,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
     context = mi.BSDFContext()
     connections = connection_count(scene)
     lamps = glints.lamps(scene)
+    hurries = media.any_jump and not media.any_emission and s.multiple and s.max_steps > 1
 
     # fmt: off
     # --- The path ---------------------------------------------------------------------------------------------------
@@ -66,6 +58,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
     sigma_t, sigma_s = mi.Spectrum(0), mi.Spectrum(0)   # Coefficients per scene unit
     g, emitted = mi.Float(0), mi.Spectrum(0)            # Mean cosine, volumetric emission
     events, steps = mi.UInt32(0), mi.UInt32(0)          # Events and rays since entry
+    planned = mi.Float(0)                               # Way to the next event, where it has been drawn already
     thin = mi.Bool(False)                               # Is the far side near, straight on from there?
     entered = mi.Float(0)                               # Light at entry
     entry_p = mi.Point3f(0)                             # Where the path has entered,
@@ -87,7 +80,7 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                 L, valid, depth, order = mi.Spectrum(0), mi.Bool(False), mi.UInt32(0), mi.UInt32(0)
                 last_delta, after_glint, outside_yet = mi.Bool(True), mi.Bool(False), mi.Bool(True)
                 within, within_shape = mi.UInt32(0), mi.UInt32(0)
-                outer, outer_shape = mi.UInt32(0), mi.UInt32(0)
+                outer, outer_shape, planned = mi.UInt32(0), mi.UInt32(0), mi.Float(0)
                 paths += 1
 
         # --- Step: to the next event or the next surface, whichever is first ----------------------------------------
@@ -99,6 +92,9 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
         begins = inside & outside_yet & (depth == 0)
         outside_yet &= ~inside
         free = -dr.log(1 - source.even(sequence.FREE_PATH, paths, sampler.next_1d(active), begins)) / leading
+        if dr.hint(hurries, mode="scalar"):
+            free = dr.select(planned > 0, planned, free)
+            planned = dr.select(inside, 0, planned)
         # what would end at its next event goes through to the surface, for what of its light gets there
         through = inside & ~s.may_go_on(order + 1)
         if dr.hint(media.any_low, mode="scalar"):
@@ -157,20 +153,16 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
         weight = β / dr.sum(ratio)
         dead = mi.Bool(False)
 
-        # --- Jump: at the second event a diffusion model takes over, and looks for where the light comes out ----------
+        # at the second event a diffusion model takes over, and looks for where the light comes out
         jumps = mi.Bool(False)
         if dr.hint(media.any_jump, mode="scalar"):
             jumps = scatters & (events == 2) & media.jumps(within)
-            if jumps:
-                share = media.lookup(media.single_share, within)
-                β = mi.Spectrum(weight / jump.arriving(sigma_s / dr.maximum(sigma_t, 1e-30), share))
-                ratio = channels.solo(β)
-                search = jump.begin(dr.sum(weight) / initial, jumps)
 
         within = dr.select(escapes, outer, within)
         within_shape = dr.select(escapes, outer_shape, within_shape)
         outer, outer_shape = dr.select(escapes, 0, outer), dr.select(escapes, 0, outer_shape)
         stays = scatters | escapes | dead
+        lit = mi.Bool(False)
         reaches = active & ~stays & ~searching
         if active & ~stays:
             si = hit.compute_surface_interaction(ray, mi.RayFlags.All, active & ~stays)
@@ -183,13 +175,10 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
             if dr.hint(media.any_jump, mode="scalar"):
                 if searching:
                     counts = searching & si.is_valid() & (identity == within_shape)
-                    place = media.kernels.place(within, sigma_t - sigma_s, sigma_s, g)
-                    search = jump.visit(
-                        search, media.kernels, place, media.other_end(within, si, counts),
-                        media.balanced(within, entry_p, si.p, sampler.next_1d(counts)),
-                        si, entry_side, entry_p, entry_n, β, sampler.next_1d(counts), counts,
+                    search, ray.o = jump.follow(
+                        search, scene, media, within, sigma_t, sigma_s, g, si, ray, entry_side, entry_p, entry_n, β,
+                        sampler, counts, searching,
                     )  # fmt: skip
-                    ray.o = jump.advance(search, si, ray, searching)
                     landed = searching & ~search.active & (search.total > 0)
                     dead |= searching & ~search.active & ~landed
                     landing_weight = search.share * search.total
@@ -231,12 +220,11 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                 if rough:
                     si.sh_frame = mi.Frame3f(outward)
                     si.wi = si.to_local(-ray.d)
-                    choice, spot = sampler.next_1d(rough), sampler.next_2d(rough)
-                    bs, bs_weight = media.sample_surface(number, si, choice, spot, rough)
-                    reflects, direction = interface.bent(si, ray.d, bs.wo)
+                    reflects, direction, bs_weight, rough_pdf, rough_delta = interface.scattered(
+                        media, number, si, ray.d, sampler, rough
+                    )
                     β *= bs_weight
-                    rough_pdf, rough_delta = bs.pdf, mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta)
-                    dead |= bs.pdf <= 0
+                    dead |= rough_pdf <= 0
 
             # Lamps that are mirrored need no choice between the two
             glint = mi.Bool(False)
@@ -287,9 +275,8 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                 lottery, drift = sampler.next_1d(connects), (at.p - entry_p) / dr.maximum(travelled, 1e-30)
                 for i in range(connections):
                     ticket = dr.minimum((lottery + i) / connections, dr.one_minus_epsilon(mi.Float))
-                    ds, light = scene.sample_emitter_direction(
-                        at, mi.Point2f(ticket, sampler.next_1d(connects)), False, connects
-                    )
+                    spot = mi.Point2f(ticket, sampler.next_1d(connects))
+                    ds, light = scene.sample_emitter_direction(at, spot, False, connects)
                     local_d = si.to_local(ds.d)
                     value, pdf = mi.Spectrum(0), mi.Float(0)
                     if opaque:
@@ -310,10 +297,8 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
 
             # Choose the next direction on everything that light can't enter
             if opaque:
-                bs, bs_weight = bsdf.sample(
-                    context, si, sampler.next_1d(opaque), sampler.next_2d(opaque), opaque
-                )
-                β *= bs_weight
+                bs, share = bsdf.sample(context, si, sampler.next_1d(opaque), sampler.next_2d(opaque), opaque)
+                β *= share
                 direction = si.to_world(bs.wo)
                 last_pdf = bs.pdf
                 last_delta = mi.has_flag(bs.sampled_type, mi.BSDFFlags.Delta) | inside
@@ -359,14 +344,30 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
                     entry_side = dr.select(dr.dot(si.n, outward) > 0, mi.Float(1), mi.Float(-1))
             depth[opaque | (crossing & reflects & ~leaving)] += 1
 
+            lit = (opaque | by_lobe) & ~last_delta & (within == 0)
             after_glint = (glint & reflects) | (straight & exits)
-            time, wavelengths = ray.time, ray.wavelengths
             following = at.spawn_ray(direction)
-            following.time, following.wavelengths = time, wavelengths
+            following.time, following.wavelengths = ray.time, ray.wavelengths
             ray = dr.select(searching & ~landed, ray, following)
 
-        # --- Jump: its next chord ------------------------------------------------------------------------------------
+            # Both events before a jump at once
+            if dr.hint(hurries, mode="scalar"):
+                hurried = (passes | landed) & ~dead & (within != 0) & media.jumps(within)
+                if hurried:
+                    lots = [source.even(i, paths, sampler.next_1d(), begins) for i in sequence.STEP]
+                    β, ratio, ray, planned, events, travelled = hurry(
+                        scene, media, lamps, within, ray, β, ratio, channel, sigma_t, sigma_s, g,
+                        [*lots, sampler.next_1d()], hurried,
+                    )  # fmt: skip
+                    steps, jumps = mi.UInt32(events), events == 2
+                    order += events
+                    thin, outside_yet = thin & (events == 0), outside_yet & (events == 0)
+
+        # --- Jump, and its next chord --------------------------------------------------------------------------------
         if dr.hint(media.any_jump, mode="scalar"):
+            if jumps:
+                β, search = jump.take_over(media, within, sigma_t, sigma_s, β / dr.sum(ratio), initial, jumps)
+                ratio = channels.solo(β)
             starts = search.active & (search.left == 0)
             if starts:
                 place = media.kernels.place(within, sigma_t - sigma_s, sigma_s, g)
@@ -379,11 +380,10 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
         walking = (within != 0) & ~jumps & ~searching
         spent = active & walking & (steps >= s.max_steps)
         cut[spent & ~dead] += worth
-        survival = dr.select(
-            walking,
-            roulette.walking(worth, entered, mi.Float(events) * (1 - g)),
-            dr.select((depth > s.rr_depth) & (within == 0), dr.minimum(worth, 0.95), 1),
-        )
+        survival = dr.select((depth > s.rr_depth) & (within == 0), dr.minimum(worth, 0.95), 1)
+        survival = dr.select(walking, roulette.walking(worth, entered, mi.Float(events) * (1 - g)), survival)
+        if dr.hint(media.any_jump, mode="scalar"):
+            survival = dr.select(lit, dr.minimum(survival, roulette.lit(worth, initial / len(β))), survival)
         # lights have been connected to by all of what came through: from here on as many go on as would have come
         survival = dr.minimum(survival, dr.select(through & (within == 0), dr.max(along), 1))
         dead |= spent | ~(worth > 0) | (sampler.next_1d(active) >= survival)

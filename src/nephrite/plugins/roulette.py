@@ -6,6 +6,7 @@ from typing import Any
 
 import drjit as dr
 
+AFTER_LIGHT = 0.5  # of the paths that come by where lights have been connected to go on
 SHARE = 0.5  # of a walk's light, below which its roulette begins
 ORDER = 16.0  # reduced order of scattering, above which walks are thinned out
 
@@ -17,6 +18,15 @@ def entering(worth: Any, of_camera: Any, depth: Any) -> Any:
     tell as much. Paths that come from the camera all begin one.
     """
     return dr.select(depth > 0, dr.minimum(worth / dr.maximum(of_camera, 1e-30), 1), 1)
+
+
+def lit(worth: Any, of_camera: Any) -> Any:
+    """Return how likely a path goes on from where lights have been connected to, in scenes where light jumps.
+
+    What it may still find is mostly dim, and costs as much as all before: there a jump is a few rays, where a walk has
+    dozens, of which the path would have had its share for nothing.
+    """
+    return dr.minimum(AFTER_LIGHT * worth / dr.maximum(of_camera, 1e-30), 1)
 
 
 def walking(worth: Any, entered: Any, order: Any) -> Any:

@@ -14,6 +14,7 @@ import mitsuba as mi
 
 # what paths do first: two dimensions, one, one, one, two
 POSITION, INTERFACE, LEADER, FREE_PATH, TURN = 0, 2, 3, 4, 5
+STEP = (FREE_PATH, TURN, TURN + 1)
 _DIMENSIONS = 7
 
 
