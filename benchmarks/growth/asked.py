@@ -75,7 +75,9 @@ def asked(results: Results) -> str:
         rows.append([what, "memory 6 GiB", shown, within(max(peaks, default=math.nan), MOST_GIB)])
     for name in ("walk", "transport"):
         off = [point.of[name]["similarity"] for point in results.g if "similarity" in point.of.get(name, {})]
-        shown = f"not used; error {percent(off[-1]['error'], off[-1]['error_error'])} %" if off else "-"
+        used = "once directions are forgotten" if name == "transport" else "not used"
+        whole_error = percent(off[-1]["error"], off[-1]["error_error"]) if off else "-"
+        shown = f"{used}; from the first event on its error would be {whole_error} %" if off else "-"
         rows.append([f"g {_ends(results.g)}: `{name}`", "similarity where it is safe", shown, "-"])
     seconds = max((numbers["seconds"] for numbers, _ in results.first), default=math.nan)
     shown = "-" if math.isnan(seconds) else f"{seconds:.1f} s"

@@ -7,8 +7,9 @@ of the light entering at y that is seen at x.
 
 A vectorised loop runs until the slowest of its lanes is done, and walks have long tails. So each lane takes several
 walks, and starts the next as soon as one ends. Long walks are the dear ones, and the light that they bring is spread
-evenly, so that few are enough: roulette thins them out by their order. How they begin follows one sequence for all of
-them, so that those from one place, and from places nearby, do not begin alike.
+evenly, so that few are enough: roulette thins them out by their order. Where media scatter forward, a walk that has
+forgotten its direction goes on by similarity, in steps that are 1 / (1 - g) times as long. How walks begin follows one
+sequence for all of them, so that those from one place, and from places nearby, do not begin alike.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ _WALKS_PER_LANE = 32
 _MIN_LANES = 1 << 14
 _ROULETTE_SHARE = 0.05  # of the light, below which roulette begins
 _ORDER = 64.0  # reduced order of scattering, above which walks are thinned out by its inverse
+_SIMILAR = 8.0  # from which on the medium is taken for one that scatters evenly, and less often
 _LONGEST = 100_000
 
 
@@ -78,7 +80,6 @@ def _walk(
     reach = dr.opaque(mi.Float, entry.reach())
     normalization = dr.opaque(mi.Float, lobe.exit_lobe(entry.eta).normalization)
     m2 = dr.opaque(mi.Float, lobe.exit_lobe(entry.eta).m2)
-    thinned = dr.opaque(mi.Float, _ORDER / max(1 - entry.g, 1e-3))  # events
     lanes = sampler.wavefront_size()
 
     # numbers that are no part of the kernel: one serves for as many walks as are asked for
@@ -86,10 +87,11 @@ def _walk(
     walks = dr.arange(mi.UInt32, lanes)  # The walk that each lane is making
     fresh, active = mi.Bool(True), walks < count
     origin, falling = mi.Point3f(0), mi.Vector3f(0)
-    sigma_t, sigma_s = mi.Spectrum(0), mi.Spectrum(0)
+    absorbed, sigma_s, sigma_t = mi.Spectrum(0), mi.Spectrum(0), mi.Spectrum(0)
     channel, β, ratio = mi.UInt32(0), mi.Spectrum(0), mi.Spectrum(0)
     ray = dr.zeros(mi.Ray3f, lanes)
     events, steps, travelled = mi.UInt32(0), mi.UInt32(0), mi.Float(0)
+    forward, order = mi.Float(g), mi.Float(0)  # Mean cosine by now; reduced order of scattering
     while active:
         if fresh:
             start = dr.gather(type(at), at, dr.gather(mi.UInt32, begin, walks, active), active)
@@ -103,6 +105,7 @@ def _walk(
             channel, β, ratio = channels.lead(entered, sigma_t, even(LEADER, walks, 0))
             ray = start.spawn_ray(inward.refracted)
             events, steps, travelled = mi.UInt32(0), mi.UInt32(0), mi.Float(0)
+            forward, order = mi.Float(g), mi.Float(0)
         leading = dr.maximum(channels.pick(sigma_t, channel), 1e-30)
         first = steps == 0
         free = even(FREE_PATH, walks, sampler.next_1d(active), first)
@@ -126,7 +129,7 @@ def _walk(
             own = mi.Bool(dr.reinterpret_array(mi.UInt32, si.shape) == identity)
             leaves = own & (u.x >= x.reflectance)
             gone = active & leaves & (events > 1)
-            memory = lobe.memory(mi.Float(events), g)[0]
+            memory = lobe.memory(order, 0)[0]
             usual = (1 - memory) * lobe.usual((si.p - origin) / travelled, eta, m2)
             out, back = memory * x.refracted + usual, -memory * falling - usual
             normal = dr.gather(mi.Normal3f, at.n, dr.gather(mi.UInt32, begin, walks, gone), gone)
@@ -140,14 +143,20 @@ def _walk(
             goes_on &= own & ~leaves
         else:
             events += 1
+            order += 1 - forward
             dr.scatter(ends.twice, weight, walks, active & (events == 2))
             ray.o += ray.d * distance
-            ray.d = mi.Frame3f(ray.d).to_world(mi.Vector3f(*phase.sample(u.x, u.y, g)))
+            ray.d = mi.Frame3f(ray.d).to_world(mi.Vector3f(*phase.sample(u.x, u.y, forward)))
         goes_on &= dr.squared_norm(ray.o - origin) < dr.square(reach)  # or it has found a hole in the shape
         steps += 1
         survival = dr.minimum(dr.max(weight) / _ROULETTE_SHARE, 1)
-        order = mi.Float(events)
-        survival *= dr.select(~stops & (order > thinned), (order - 1) / order, 1)
+        thinned = ~stops & (order > _ORDER)
+        survival *= dr.select(thinned, 1 - (1 - forward) / order, 1)
+        # similarity: what has forgotten its direction goes where it would by sigma_s (1 - g) and g = 0
+        similar = order >= _SIMILAR
+        sigma_s = dr.select(similar, sigma_s * (1 - forward), sigma_s)
+        sigma_t = absorbed + sigma_s
+        forward = dr.select(similar, 0, forward)
         goes_on &= (sampler.next_1d(active) < survival) & (steps < _LONGEST)
         β /= survival
         fresh = active & ~goes_on
