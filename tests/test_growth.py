@@ -163,7 +163,9 @@ def test_what_was_asked_stands_beside_what_was_measured() -> None:
     assert found[told.format("with its precomputation")][1:] == ["x 3.57 (`walk` at 1,000 mm)", "**no**"]
     assert found[told.format("its samples alone")][1:] == ["x 10.00 (`walk` at 1,000 mm)", "**no**"]
     assert found["120,000 -> 8,294,400 pixels: `walk`"][1:] == ["2.00 GiB", "yes"]
-    assert found["g 0 -> 0.9: `walk`"][1] == "not used; from the first event on its error would be 5.0 ± 0.2 %"
+    assert (
+        found["g 0 -> 0.9: `walk`"][1] == "not used; from the first event on its error would be 5.0 ± 0.2 %"
+    )
     assert found["first picture, the slowest of all"][1:] == ["11.0 s", "yes"]
 
 
