@@ -34,21 +34,18 @@ def facing_normal(si: Any, direction: Any) -> Any:
     return dr.select(dr.dot(shading, direction) < 0, shading, geometric)
 
 
+@dr.syntax
 def cross(si: Any, direction: Any, eta: Any) -> Crossing:
     """Reflect and refract a ray; `eta`: index of the side that it would enter over the one it is on."""
     geometric = mi.Vector3f(dr.mulsign(si.n, -dr.dot(si.n, direction)))
-    first = _cross(facing_normal(si, direction), direction, eta)
+    found = _cross(facing_normal(si, direction), direction, eta)
     # Interpolated normals may send light to the wrong side of a triangle: then the triangle's own normal holds.
-    wrong = (dr.dot(first.reflected, geometric) <= 0) | (
-        (first.reflectance < 1) & (dr.dot(first.refracted, geometric) >= 0)
+    wrong = (dr.dot(found.reflected, geometric) <= 0) | (
+        (found.reflectance < 1) & (dr.dot(found.refracted, geometric) >= 0)
     )
-    second = _cross(geometric, direction, eta)
-    return Crossing(
-        dr.select(wrong, second.normal, first.normal),
-        dr.select(wrong, second.reflectance, first.reflectance),
-        dr.select(wrong, second.reflected, first.reflected),
-        dr.select(wrong, second.refracted, first.refracted),
-    )
+    if wrong:
+        found = _cross(geometric, direction, eta)
+    return found
 
 
 def bent(si: Any, direction: Any, local: Any) -> tuple[Any, Any]:
