@@ -39,9 +39,9 @@ nephrite render dragon --material "skim milk" --light benchmark --resolution 384
 G = """
 B1's medium with sigma_s' = sigma_s (1 - g) kept, so that by similarity all of these would look the same. `walk`
 scatters by g itself; the walks of `transport` use similarity where it is safe, once they have forgotten their
-direction, which is within .2 % ([physics](physics.md), `benchmarks/similarity.py`). From the first event on it would not be safe: the
-table has the picture at g = 0 less the one at g, relative to this; *error* is its root mean square over blocks of 8 x 8
-pixels, less noise, *worst block* of 16 x 16. Seconds as above.
+direction, which is within .2 % ([physics](physics.md), `benchmarks/similarity.py`). From the first event on it would
+not be safe: the table has the picture at g = 0 less the one at g, relative to this; *error* is its root mean square
+over blocks of 8 x 8 pixels, less noise, *worst block* of 16 x 16. Seconds as above.
 """
 
 FIRST = """

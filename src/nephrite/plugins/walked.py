@@ -154,7 +154,7 @@ def _walk(
         survival *= dr.select(thinned, 1 - (1 - forward) / order, 1)
         # similarity: what has forgotten its direction goes where it would by sigma_s (1 - g) and g = 0
         similar = order >= _SIMILAR
-        sigma_s *= dr.select(similar, 1 - forward, 1)
+        sigma_s = mi.Spectrum(sigma_s * mi.Spectrum(dr.select(similar, 1 - forward, 1)))
         sigma_t = absorbed + sigma_s
         forward = dr.select(similar, 0, forward)
         goes_on &= (sampler.next_1d(active) < survival) & (steps < _LONGEST)
