@@ -34,7 +34,7 @@ $(DEVELOPED): pyproject.toml $(INSTALLED)
 
 dragon: $(INSTALLED)
 	@mkdir -p out
-	$(BIN)/nephrite render dragon --material jade --resolution 800x600 --time 26s -o out/dragon.png -o out/dragon.exr
+	$(BIN)/nephrite render dragon --material jade --resolution 800x600 --time 24s -o out/dragon.png -o out/dragon.exr
 
 figures: $(INSTALLED)
 	@mkdir -p out/figures

@@ -38,9 +38,11 @@ def main() -> None:
     parser.add_argument(
         "--quick", action="store_true", help="small pictures, one round; page in out/bench-quick"
     )
+    parser.add_argument("--rounds", type=int, help="repetitions, which tell how sure the figures are")
     parser.add_argument("--models", nargs="*", choices=list(LEVERS), default=list(LEVERS))
     quick, models = (given := parser.parse_args()).quick, given.models
-    settings: dict[str, Any] = QUICK if quick else FULL
+    settings: dict[str, Any] = dict(QUICK if quick else FULL)
+    settings["rounds"] = given.rounds or settings["rounds"]
     folder = runner.ROOT / ("out/bench-quick" if quick else "out/bench")
     store, sources = Store(folder), runner.sources("levers/job.py", "levers/patches.py", "levers/where.py")
     width, height = (int(side) for side in settings["resolution"].split("x"))

@@ -8,8 +8,8 @@ HEAD = """
 What makes `walk` and `transport` fast, and what each part of it is worth: benchmark scene B1, the skim-milk dragon, at
 {resolution} pixels, rendered with all levers and without each in turn. *Worth* is the efficiency, mean² / (variance x
 seconds) over the object's pixels, with all of them over that without the one: 2 is half the time to the same noise.
-`walk` with {walk} samples a pixel, `transport` with {transport}, its precomputation counted for each picture. {rounds}
-rounds; in brackets the least and the largest. What is worth less than it varies from round to round pays elsewhere, or
+`walk` with {walk} samples a pixel, `transport` with {transport}, its precomputation counted for each picture. Rounds of
+all: {rounds}; where there are several, in brackets the least and the largest. What is worth less than it varies from round to round pays elsewhere, or
 in the picture's worst pixels.
 
 Version {version}, {cores} processor cores, measured from {first} to {last} UTC.
