@@ -1,6 +1,6 @@
 """What each lever is worth: benchmark scene B1 rendered with all of them, and without each in turn.
 
-    .venv/bin/python -m benchmarks.levers             # some 15 minutes; again: what is missing
+    .venv/bin/python -m benchmarks.levers             # some 20 minutes; again: what is missing
     .venv/bin/python -m benchmarks.levers --quick     # small pictures, into out/bench-quick: whether everything works
 
 Each in a process of its own, in rounds, with all levers at the beginning of each: ratios are to that round's. Results

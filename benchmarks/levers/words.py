@@ -9,8 +9,9 @@ What makes `walk` and `transport` fast, and what each part of it is worth: bench
 {resolution} pixels, rendered with all levers and without each in turn. *Worth* is the efficiency, mean² / (variance x
 seconds) over the object's pixels, with all of them over that without the one: 2 is half the time to the same noise.
 `walk` with {walk} samples a pixel, `transport` with {transport}, its precomputation counted for each picture. Rounds of
-all: {rounds}; where there are several, in brackets the least and the largest. What is worth less than it varies from round to round pays elsewhere, or
-in the picture's worst pixels.
+all: {rounds}; where there are several, in brackets the least and the largest; where there is one, nothing tells how
+sure the figures are, and those of a model share the noise of its one run with all levers. What is worth less than that
+pays elsewhere, or in the picture's worst pixels.
 
 Version {version}, {cores} processor cores, measured from {first} to {last} UTC.
 """
@@ -37,6 +38,10 @@ No command repeats these, as their code is gone; so here are no figures.
 - *Walks of `transport` that also begin where light falls*: it would depend on the light, for no less relative noise.
 - *Transport looked up where a path has first scattered*, not where it entered: less noise, as no directions need be
   remembered at the camera's end, and more bias.
+- *Directions remembered between narrower cells*: closer to the walk by what `benchmarks/transport.py` can hardly tell
+  from noise, which grows; as *means between narrower cells*.
+- *More paths a lane*, so that fewer wait for the slowest: nothing, from 8 to 256.
+- *One shadow ray for all lights*, chosen by what each would bring: fewer rays, more noise, less efficiency.
 - *Light's share that scatters twice, sampled at the light's end too*: brighter and darker blocks than without.
 """
 
@@ -44,7 +49,7 @@ AGAIN = """
 ## Again
 
 ```
-.venv/bin/python -m benchmarks.levers            # some 15 minutes; again: what is missing
+.venv/bin/python -m benchmarks.levers            # some 20 minutes, two rounds; again: what is missing
 .venv/bin/python -m benchmarks.levers --quick    # small pictures, into out/bench-quick
 ```
 """
