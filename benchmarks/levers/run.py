@@ -15,10 +15,9 @@ import json
 import os
 import sys
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 from benchmarks import runner, scenes
 from benchmarks.levers import page
@@ -60,7 +59,8 @@ def main() -> None:
                 kept = store.load(file, asked)
                 if kept is None:
                     print(f"round {number + 1}: {model} without {lever or 'nothing'}", flush=True)
-                    with _home_without_kernels():
+                    # an empty home has no kernels that others have compiled, so that compiling is seen
+                    with tempfile.TemporaryDirectory() as home, mock.patch.dict(os.environ, HOME=home):
                         told = runner.run("benchmarks.levers.job", Path(sys.executable), job, LIMIT, _told)
                     now = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="minutes")
                     kept = ({**told, "date": now}, {})
@@ -72,18 +72,3 @@ def main() -> None:
 
 def _told(folder: Path) -> dict[str, Any]:
     return json.loads((folder / "told.json").read_text(encoding="utf-8"))
-
-
-@contextmanager
-def _home_without_kernels() -> Iterator[None]:
-    """Let processes find no kernels that others have compiled, so that compiling is seen."""
-    home = os.environ.get("HOME")
-    with tempfile.TemporaryDirectory(prefix="nephrite-bench-") as name:
-        os.environ["HOME"] = name
-        try:
-            yield
-        finally:
-            if home is None:
-                del os.environ["HOME"]
-            else:
-                os.environ["HOME"] = home

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from typing import Any
+from unittest import mock
 
 import drjit as dr
 import mitsuba as mi
@@ -84,16 +86,10 @@ def _timed(parts: dict[str, float], name: str, of: tuple[Any, str]) -> Callable[
     return timed
 
 
-class _replaced:  # noqa: N801 (used as a function)
-    """Functions of modules and classes, replaced for a while."""
-
-    def __init__(self, new: dict[tuple[Any, str], Any]) -> None:
-        self._new, self._old = new, {of: getattr(*of) for of in new}
-
-    def __enter__(self) -> None:
-        for (where_, name), function in self._new.items():
-            setattr(where_, name, function)
-
-    def __exit__(self, *_: Any) -> None:
-        for (where_, name), function in self._old.items():
-            setattr(where_, name, function)
+@contextmanager
+def _replaced(new: dict[tuple[Any, str], Any]) -> Iterator[None]:
+    """Replace functions of modules and classes for a while."""
+    with ExitStack() as stack:
+        for (owner, name), function in new.items():
+            stack.enter_context(mock.patch.object(owner, name, function))
+        yield
