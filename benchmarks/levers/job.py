@@ -2,9 +2,9 @@
 
     python -m benchmarks.levers.job JOB.json
 
-JOB.json holds `scene` (see benchmarks/scenes.py), `model`, `lever` (its name; "" for all of them), `spp`, `pairs` and
-`folder`. Writes into `told.json`: `efficiency`, a list of one number a pair of pictures, whatever is precomputed for
-each picture included; and with all levers `where` its time goes.
+JOB.json holds `scene` (see benchmarks/scenes.py), `model`, `lever` (its name; "" for all of them), `spp` and `folder`.
+Writes into `told.json`: `efficiency`, of a pair of pictures, whatever is precomputed for each of them included; and
+with all levers `where` its time goes.
 """
 
 from __future__ import annotations
@@ -42,17 +42,15 @@ def main() -> None:
         integrator: Any = mi.load_dict(settings)
         return mi.render(scene, integrator=integrator, spp=spp, seed=seed).numpy()[..., :3]
 
-    told: dict[str, Any] = {"efficiency": []}
+    told: dict[str, Any] = {}
     if not job["lever"]:
         width, height = job["scene"]["resolution"]
         told["where"] = where(picture, job["spp"] * width * height)
     picture(0, 1)
-    mask = object_mask(scene)
-    for pair in range(job["pairs"]):
-        start = time.perf_counter()
-        a, b = picture(2 * pair + 1), picture(2 * pair + 2)
-        seconds = (time.perf_counter() - start) / 2
-        told["efficiency"].append(errors.efficiency(a, b, seconds, mask))
+    start = time.perf_counter()
+    a, b = picture(1), picture(2)
+    seconds = (time.perf_counter() - start) / 2
+    told["efficiency"] = errors.efficiency(a, b, seconds, object_mask(scene))
     (Path(job["folder"]) / "told.json").write_text(json.dumps(told), encoding="utf-8")
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import statistics
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -43,14 +43,10 @@ def write(target: Path, found: Mapping[str, Told], settings: Mapping[str, Any]) 
 def worth(runs: Told, lever: str) -> tuple[float, float, float]:
     """Return how many times the efficiency is with a lever: geometric mean, least and largest of the rounds."""
     ratios = [
-        _mean(with_["efficiency"]) / _mean(without["efficiency"])
+        with_["efficiency"] / without["efficiency"]
         for with_, without in zip(runs[""], runs[lever], strict=True)
     ]
-    return _mean(ratios), min(ratios), max(ratios)
-
-
-def _mean(values: Sequence[float]) -> float:
-    return math.exp(sum(math.log(value) for value in values) / len(values))
+    return statistics.geometric_mean(ratios), min(ratios), max(ratios)
 
 
 def _rows(model: str, runs: Told) -> list[list[str]]:

@@ -24,8 +24,8 @@ from benchmarks.levers import page
 from benchmarks.levers.patches import LEVERS, TRANSPORT, WALK
 from benchmarks.store import Store
 
-FULL = {"resolution": "400x300", "spp": {WALK: 32, TRANSPORT: 64}, "pairs": 1, "rounds": 2}
-QUICK = {"resolution": "60x45", "spp": {WALK: 4, TRANSPORT: 4}, "pairs": 1, "rounds": 1}
+FULL = {"resolution": "400x300", "spp": {WALK: 32, TRANSPORT: 64}, "rounds": 2}
+QUICK = {"resolution": "60x45", "spp": {WALK: 4, TRANSPORT: 4}, "rounds": 1}
 LIMIT = 1200.0  # seconds for each
 
 
@@ -51,10 +51,7 @@ def main() -> None:
     for number in range(settings["rounds"]):
         for model in models:
             for lever in ("", *(one.name for one in LEVERS[model])):
-                job = {
-                    "scene": described, "model": model, "lever": lever, "spp": settings["spp"][model],
-                    "pairs": settings["pairs"],
-                }  # fmt: skip
+                job = {"scene": described, "model": model, "lever": lever, "spp": settings["spp"][model]}
                 asked, file = {**job, "sources": sources}, f"levers/{model}-{lever or 'all'}-{number}"
                 kept = store.load(file, asked)
                 if kept is None:
