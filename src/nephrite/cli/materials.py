@@ -108,7 +108,7 @@ def _sheet(material: Material, width: int) -> Panel:
     medium = material.medium
     facts = Table(box=None, pad_edge=False, show_header=False)
     facts.add_column(style="bold", no_wrap=True)
-    facts.add_column()
+    facts.add_column(overflow="fold")
     facts.add_row("kind", material.kind)
     facts.add_row("source", Text(material.source))
     facts.add_row("unit there", material.unit)
