@@ -24,7 +24,7 @@ from benchmarks.store import Store
 from nephrite.atlas.compared import Estimate
 
 ROOT = runner.ROOT
-FULL = {"resolution": "400x300", "each": 20.0, "rounds": 3, "reference": 1800.0, "seconds": 9000.0}
+FULL = {"resolution": "400x300", "each": 20.0, "rounds": 3, "reference": 1500.0, "seconds": 9000.0}
 QUICK = {"resolution": "100x75", "each": 2.0, "rounds": 1, "reference": 10.0, "seconds": 600.0}
 NOISE = 0.01  # of a reference: relative variance at which it ends
 LARGEST = 6e4  # what is kept of a firefly: half precision ends there
@@ -41,7 +41,7 @@ def options() -> argparse.Namespace:
     parser.add_argument("--seconds", type=float, help="nothing new is begun after this time")
     parser.add_argument("--each", type=float, help="seconds of rendering for each scene, method and round")
     parser.add_argument("--rounds", type=int, help="repetitions, from whose spread ratios get theirs")
-    parser.add_argument("--reference", type=float, help="most seconds for each scene's reference")
+    parser.add_argument("--reference", type=float, help="most seconds for B1's reference; others: a third")
     parser.add_argument("--resolution", help="WIDTHxHEIGHT")
     parser.add_argument("--scenes", nargs="*", default=[scene.name for scene in scenes.SCENES])
     parser.add_argument("--methods", nargs="*", default=[], help="names as in benchmarks/methods.py")
@@ -100,19 +100,21 @@ class Bench:
 
     def truth(self, name: str) -> analysis.Truth | None:
         """Return a scene's reference, rendered if there is none yet and there is time."""
+        share = next(scene.reference for scene in scenes.SCENES if scene.name == name)
+        seconds = share * self.given.reference
         job = {
             "scene": self.described[name],
             "integrator": methods.REFERENCE,
             "variant": "cuda_ad_rgb" if self.given.gpu else "llvm_ad_rgb",
             "noise": NOISE,
-            "seconds": self.given.reference,
+            "seconds": seconds,
         }
         found = self.store.load(f"{name}/reference", job)
         if found is None:
             if not self.in_time:
                 return None
-            self._say(f"{name}: reference, up to {self.given.reference:.0f} s")
-            limit = 10 * self.given.reference + 600
+            self._say(f"{name}: reference, up to {seconds:.0f} s")
+            limit = 10 * seconds + 600
             try:
                 pictures = runner.run("benchmarks.reference", Path(sys.executable), job, limit, runner.truth)
             except runner.FailedError as error:
@@ -174,7 +176,7 @@ class Bench:
         for number in range(self.given.rounds):
             for name, truth in truths.items():
                 for method in self.methods:
-                    if (name, method.name) in failed or (method.once and number > 0):
+                    if (name, method.name) in failed or (method.name in methods.ONCE and number > 0):
                         continue
                     result = self.measured(name, method, number, truth)
                     if result is not None:

@@ -11,6 +11,9 @@ from nephrite.plugins.settings import MODELS
 BASE = "cycles"
 """The method that ratios are relative to."""
 
+ONCE = ("volpath", "luxcore", "cycles-plain", "brdf", "brdf-gpu")
+"""What one round is enough for: it takes minutes, or no ratio to it is asked for."""
+
 REFERENCE = {"type": "translucent_path", "model": "walk", "exit": "exact"}
 """What the truth is rendered with: unbiased, and compared with `volpathmis` by z-tests in tests/plugins."""
 
@@ -19,8 +22,7 @@ REFERENCE = {"type": "translucent_path", "model": "walk", "exit": "exact"}
 class Method:
     """A way to render: the module in benchmarks/peers, and what that is told.
 
-    `package`: what has to be installed in the peers' environment; empty for what runs in Nephrite's own. `once`:
-    whether one round is enough, as each takes minutes.
+    `package`: what has to be installed in the peers' environment; empty for what runs in Nephrite's own.
     """
 
     name: str
@@ -28,7 +30,6 @@ class Method:
     peer: str
     package: str = ""
     settings: dict[str, Any] = field(default_factory=dict)
-    once: bool = False
 
 
 def mitsuba(name: str, title: str, variant: str = "llvm_ad_rgb", **integrator: Any) -> Method:
@@ -63,7 +64,7 @@ def all_methods(gpu: bool) -> list[Method]:
     return [
         mitsuba("volpath", "Mitsuba volpath", type="volpath", **unlimited),
         mitsuba("volpathmis", "Mitsuba volpathmis", type="volpathmis", **unlimited),
-        Method("luxcore", "LuxCore path", "luxcore", "pyluxcore", once=True),
+        Method("luxcore", "LuxCore path", "luxcore", "pyluxcore"),
         Method("cycles", "Cycles random walk", "cycles", "bpy", {"subsurface": "RANDOM_WALK", **scaled}),
         Method("cycles-plain", "Cycles random walk, unscaled", "cycles", "bpy", {"subsurface": "RANDOM_WALK", **plain}),
         Method("burley", "Cycles Burley", "cycles", "bpy", {"subsurface": "BURLEY", **scaled}),

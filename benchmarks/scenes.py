@@ -35,7 +35,7 @@ class Scene:
     """An object of `named.find` and a material, `size` mm long; `floor`: its grey, None without one.
 
     `eye`, `target`: of the camera, in units of the size. `ambient`: radiance of the sky; `lobes`: see
-    `peers.sky.radiance`.
+    `peers.sky.radiance`. `reference`: the share of a reference's longest time that this scene's may have.
     """
 
     name: str
@@ -49,12 +49,14 @@ class Scene:
     lobes: tuple[dict[str, Any], ...] = ()
     eye: tuple[float, float, float] = (0.25, 0.75, 1.75)
     target: tuple[float, float, float] = (0.0, 0.33, 0.0)
+    reference: float = 1 / 3
 
 
 SCENES = (
     Scene(
         "b1", "B1: skim-milk dragon", "dragon", 100.0, "skim-milk", 0.3,
         (Light((-0.9, 1.6, -0.9), 0.35, 25.0),), (0.15, 0.15, 0.17),
+        reference=1.0,  # its worst block is asked for
     ),
     Scene(
         "jade", "Jade dragon, light from behind", "dragon", 60.0, "jade", 0.11,

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 RULES = """
 Each method runs in a process of its own, one after the other, in {rounds} rounds: every method once, then every method
-again (LuxCore, which takes minutes, in the first alone). It loads the scene and warms up with one sample per pixel;
-then it renders pairs of pictures of 1, 2, 4, ... samples until {each:g} s are spent. A method that precomputes much for
-each picture renders two pairs: with few samples, and with as many as that time allows, at least as long as it has
-precomputed; and one more with a number between the two, where they are far apart. *Seconds* are those of the whole call
-that makes a picture: tables and precomputation for it are included, loading the scene is not. Cycles prepares the scene
-in that call, and writes a file: what a call with one sample takes is taken off.
+again (LuxCore, which takes minutes, and those that no ratio is asked of, in the first alone). It loads the scene and
+warms up with one sample per pixel; then it renders pairs of pictures of 1, 2, 4, ... samples until {each:g} s are
+spent. A method that precomputes much for each picture renders two pairs: with few samples, and with as many as that
+time allows, at least as long as it has precomputed; and one more with a number between the two, where they are far
+apart. *Seconds* are those of the whole call that makes a picture: tables and precomputation for it are included,
+loading the scene is not. Cycles prepares the scene in that call, and writes a file: what a call with one sample takes
+is taken off.
 """
 
 MEASURES = """
 The *reference* is Nephrite's walk with exact exits, which tests compare with `volpathmis`, rendered until its own
-relative variance is 1 %, or for as long as it may. *relMSE* is the mean of
+relative variance is 1 %, or for as long as it may, in B1 three times as long as in the others. *relMSE* is the mean of
 (picture - reference)² / (mean² + 0.01) over the object's pixels, less the reference's own variance; the mean is the
 reference's over 5 x 5 pixels, as its own noise would count more where it is dark by chance. *Seconds to 1 %*: until it
 falls to 0.01, noise and bias together: read off the curve; with ~ extrapolated beyond its end, where noise falls as 1 /

@@ -1,9 +1,11 @@
 """The benchmark's arithmetic, on times and errors that are known beforehand; its scenes, processes and page."""
 
+import argparse
 import json
 import math
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +17,7 @@ from nephrite.physics.color import from_color_and_radius
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from benchmarks import analysis, methods, page, runner, scenes  # noqa: E402
+from benchmarks import analysis, bench, methods, page, runner, scenes  # noqa: E402
 from benchmarks.peers import measure, sky  # noqa: E402
 from benchmarks.store import Store  # noqa: E402
 
@@ -246,6 +248,35 @@ def test_results_answer_only_what_was_asked(tmp_path: Path) -> None:
     assert numbers == {"peak": 2}
     np.testing.assert_array_equal(pictures["a"], np.ones(3))
     assert store.load("b1/walk-0", {"seed": 2}) is None
+
+
+def test_b1_has_the_longest_reference_and_slow_peers_one_round(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    jobs: list[tuple[str, dict[str, Any]]] = []
+
+    def run(module: str, python: Path, job: dict[str, Any], *_: Any) -> Any:
+        jobs.append((module, job))
+        if module == "benchmarks.reference":
+            return {"mean": np.ones((3, 4, 3)), "error": np.zeros((3, 4, 3)), "mask": np.ones((3, 4))}
+        level = {"spp": 1, "seconds": 1.0}
+        told = {"levels": [level], "peak": 1, "loaded": 0.0, "version": "1"}
+        return told, {"a0": np.ones((3, 4, 3)), "b0": np.ones((3, 4, 3))}
+
+    monkeypatch.setattr(bench, "ROOT", tmp_path)
+    monkeypatch.setattr(runner, "run", run)
+    monkeypatch.setattr(runner, "missing", lambda *_: {})
+    monkeypatch.setattr(scenes, "described", lambda scene, *_: {"name": scene.name})
+    given = argparse.Namespace(
+        quick=False, gpu=False, resolution="4x3", peers=tmp_path, seconds=60.0, reference=30.0, rounds=2,
+        each=1.0, scenes=["b1", "skin"], methods=["walk", "luxcore"],
+    )  # fmt: skip
+    assert [len(result.runs) for result in bench.Bench(given).run()] == [2, 2]
+    assert [job["seconds"] for module, job in jobs if module == "benchmarks.reference"] == [30.0, 10.0]
+    rendered = [module.rpartition(".")[2] for module, _ in jobs[2:]]
+    assert sorted(rendered) == ["luxcore"] * 2 + ["mitsuba"] * 4
+    bench.Bench(given).run()  # all of it has been kept
+    assert len(jobs) == 8
 
 
 def test_a_peer_that_is_not_there_is_named_not_fatal(tmp_path: Path) -> None:
