@@ -15,6 +15,7 @@ from support.scenes import Trial, ours, trial
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
+from benchmarks import dipole  # noqa: E402
 from benchmarks.levers import page, patches  # noqa: E402
 from benchmarks.levers.patches import LEVERS, TRANSPORT, WALK, Lever  # noqa: E402
 
@@ -82,3 +83,15 @@ def test_the_page_has_all_levers_and_times(tmp_path: Path) -> None:
     assert all(lever.title in text for levers in LEVERS.values() for lever in levers)
     assert "| rays a sample: steps and segments | 16.00 | 16.00 |" in text
     assert "| of it Python, NumPy and SciPy, while no kernel runs | 1.00 | 1.00 |" in text
+
+
+def test_parts_of_a_dipole_are_left_out_and_put_back() -> None:
+    def found() -> list[Any]:
+        return [getattr(owner, name) for owner, name, _ in dipole.PARTS.values()]
+
+    before = found()
+    for _, parts in dipole.cases().values():
+        with dipole.without(parts):
+            changed = [old is not new for old, new in zip(before, found(), strict=True)]
+        assert changed == [name in parts for name in dipole.PARTS]
+        assert found() == before

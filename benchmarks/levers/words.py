@@ -43,6 +43,10 @@ No command repeats these, as their code is gone; so here are no figures.
 - *More paths a lane*, so that fewer wait for the slowest: nothing, from 8 to 256.
 - *One shadow ray for all lights*, chosen by what each would bring: fewer rays, more noise, less efficiency.
 - *Light's share that scatters twice, sampled at the light's end too*: brighter and darker blocks than without.
+- *Lanes that start side by side and wait for each other*, in models of short paths (`brdf`, `dipole`): nothing that
+  could be told from noise.
+- *The sky by a shadow ray along the lobe, and fewer paths that go on from there*, in `dipole`: its noise is that of
+  light between surfaces, not the sky's, so that it grew as fast as rays went.
 """
 
 AGAIN = """
