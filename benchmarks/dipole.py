@@ -38,7 +38,7 @@ def _unlooked(scene: Any, ray: Any, distance: Any, active: Any) -> Any:
 PARTS: dict[str, tuple[Any, str, Any]] = {
     "shadow rays to lights": (path, "unblocked", _unshadowed),
     "shadow rays to the second event": (shortcut, "_open", _unlooked),
-    "lamps that are mirrored": (glints, "_MOST", 0),
+    "lamps that are mirrored or straight behind": (glints, "_MOST", 0),
     "paths after their first connection to lights": (roulette, "AFTER_LIGHT", 0.0),
 }
 """Of a dipole: where it lives, and what is put there to leave it out."""
