@@ -23,6 +23,7 @@ _FIRST = 0.25  # of all points: those that `spread` compares with each other
 _BALANCING = 30  # rounds of scaling; errors are below 1e-5 then
 _MOST_NEAR = 24  # nodes that a point looks at: about as many as lie within reach on both sides of a thin part
 _FAR_SIDE = 1e-6  # weight of nodes that face away
+_NEAREST = 1e-12  # weight of the nearest node, where no other counts
 
 
 def squared_distance(offset: NDArray, normal: NDArray, other: NDArray) -> NDArray:
@@ -101,17 +102,18 @@ def interpolation(points: NDArray, normals: NDArray, nodes: NDArray, facing: NDA
     `facing`: normals of the nodes; those that face away count only where there are no others, and where there are
     none at all, the nearest.
     """
-    count = min(_MOST_NEAR, len(nodes))
-    _, index = KDTree(nodes).query(points, k=count, workers=-1)
-    index = index.reshape(-1, count)
-    squared = squared_distance(points[:, None] - nodes[index], normals[:, None], facing[index])
-    inside = np.maximum(1.0 - squared / reach**2, 0.0) ** 3
-    inside[:, 0] = np.maximum(inside[:, 0], 1e-12)
-    weight = inside * np.maximum(np.einsum("ij,ikj->ik", normals, facing[index]), _FAR_SIDE)
-    weight /= weight.sum(axis=1, keepdims=True)
-    rows = np.repeat(np.arange(len(points)), count)
-    matrix = sparse.csr_matrix(
-        (weight.ravel().astype(np.float32), (rows, index.ravel())), shape=(len(points), len(nodes))
-    )
+    tree, count = KDTree(nodes), min(_MOST_NEAR, len(nodes))
+    _, nearest = tree.query(points, workers=-1)
+    distance, index = tree.query(points, k=count, distance_upper_bound=reach, workers=-1)
+    inside = np.isfinite(distance.reshape(-1, count))
+    row, column = np.nonzero(inside)[0], index.reshape(-1, count)[inside]
+    squared = squared_distance(points[row] - nodes[column], normals[row], facing[column])
+    weight = np.maximum(1.0 - squared / reach**2, 0.0) ** 3
+    # the nearest counts a little in any case
+    row, column = (np.concatenate([a, b]) for a, b in ((row, np.arange(len(points))), (column, nearest)))
+    weight = np.concatenate([weight, np.full(len(points), _NEAREST)])
+    weight *= np.maximum(np.einsum("ij,ij->i", normals[row], facing[column]), _FAR_SIDE)
+    matrix = sparse.csr_matrix((weight, (row, column)), shape=(len(points), len(nodes)))
     matrix.eliminate_zeros()
-    return matrix
+    sums = np.asarray(matrix.sum(axis=1)).ravel()
+    return sparse.csr_matrix(sparse.diags(1.0 / sums) @ matrix).astype(np.float32)
