@@ -129,7 +129,8 @@ def trace(s: Settings, scene: Any, media: Media, sampler: Any, source: Any) -> R
         along = dr.exp(-sigma_t * distance)
         u = [source.even(sequence.TURN + i, paths, sampler.next_1d(active), begins) for i in range(2)]
         early = inside & ~through & (events < guide.EVENTS) & (thin | media.low(within))
-        turned, favour = guide.turn(lamps, ray(free), ray.d, g, u, sampler, early)
+        out = guide.way_out(media, within, entry_n, early)
+        turned, favour = guide.turn(lamps, ray(free), ray.d, g, u, sampler, early, out)
         if dr.hint(media.transport is not None, mode="scalar"):
             # precomputed objects: what would scatter a second time on this way, in expectation, less the twin's
             second = (1 - along) * sigma_s / dr.maximum(sigma_t, 1e-30)
