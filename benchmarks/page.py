@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 import nephrite
-from benchmarks import analysis, curves, words
+from benchmarks import analysis, asked, curves, words
 from benchmarks.methods import BASE, Method
 from benchmarks.peers.measure import cores
 from benchmarks.scenes import Scene
@@ -56,6 +56,7 @@ def write(
     figures.mkdir(parents=True, exist_ok=True)
     parts = [_head(results, given), _rules(given)]
     if results:
+        parts.append(_asked(results, methods))
         panels = {
             r.scene.title: {name: analysis.summary(r.numbers(name))["curve"] for name in r.runs}
             for r in results
@@ -98,6 +99,39 @@ def _head(results: Sequence[SceneResult], given: Mapping[str, Any]) -> str:
 def _rules(given: Mapping[str, Any]) -> str:
     told = (words.RULES.format(**given), words.MEASURES.format(base=BASE))
     return "\n\n".join(["## How it is measured", *(paragraph(part.strip()) for part in told)])
+
+
+def _asked(results: Sequence[SceneResult], methods: Sequence[Method]) -> str:
+    """Return the table of what was asked beside what was measured; empty without its scene."""
+    result = next((r for r in results if r.scene.name == asked.SCENE), None)
+    if result is None:
+        return ""
+    numbers = {name: analysis.summary(result.numbers(name)) for name in result.runs}
+    titles = {method.name: method.title for method in methods}
+    rows = []
+    for one in asked.ASKED:
+        found = one.measured(numbers)
+        if found is not None:
+            how = "efficiency" if one.by_efficiency else f"time to {100 * analysis.GOAL:g} %"
+            what = f"{titles[one.method]}, {how}, over {titles[one.other]}"
+            rows.append([what, f"at least {one.least:g}", _spread(found), _kept(found.mean >= one.least)])
+    if asked.METHOD in result.runs:
+        error = result.error(asked.METHOD)
+        for what, value, sure, most in (
+            ("bias", error.bias, error.bias_error, asked.MOST_BIAS),
+            ("bias of its worst block", error.worst, error.worst_error, asked.MOST_IN_BLOCK),
+        ):
+            shown = f"{percent(value, sure, signed=True)} %"
+            limit = f"at most {100 * most:g} %"
+            rows.append([f"{titles[asked.METHOD]}, {what}", limit, shown, _kept(abs(value) <= most)])
+    told = paragraph(words.ASKED.strip())
+    return f"## Asked of {result.scene.title}\n\n{told}\n\n" + table(
+        ["what", "asked", "measured", "kept"], rows
+    )
+
+
+def _kept(kept: bool) -> str:
+    return "yes" if kept else "no"
 
 
 def _first_table(results: Sequence[SceneResult], methods: Sequence[Method]) -> str:

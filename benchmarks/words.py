@@ -6,11 +6,11 @@ RULES = """
 Each method runs in a process of its own, one after the other, in {rounds} rounds: every method once, then every method
 again (LuxCore, which takes minutes, and those that no ratio is asked of, in the first alone). It loads the scene and
 warms up with one sample per pixel; then it renders pairs of pictures of 1, 2, 4, ... samples until {each:g} s are
-spent. A method that precomputes much for each picture renders two pairs: with few samples, and with as many as that
-time allows, at least as long as it has precomputed; and one more with a number between the two, where they are far
-apart. *Seconds* are those of the whole call that makes a picture: tables and precomputation for it are included,
-loading the scene is not. Cycles prepares the scene in that call, and writes a file: what a call with one sample takes
-is taken off.
+spent. A method that precomputes much for each picture renders two pairs: with few samples, and with as many as make a
+picture of {each:g} s, of which precomputation has half at most; and one more with a number between the two, where they
+are far apart. *Seconds* are those of the whole call that makes a picture: tables and precomputation for it are
+included, loading the scene is not. Cycles prepares the scene in that call, and writes a file: what a call with one
+sample takes is taken off.
 """
 
 MEASURES = """
@@ -25,6 +25,11 @@ the time to the same noise. *Bias* and *worst block* (of 16 x 16 pixels) are rel
 what is smaller than twice its standard error is given as < limit. *Around* is the bias of all other pixels: floor, sky
 and shadows. Ratios are to `{base}`, round by round: geometric mean, and in brackets the least and the largest of the
 rounds; above 1 is better. *Memory* is the largest resident size of the process.
+"""
+
+ASKED = """
+Efficiency is that of pictures as long as each method's last pair, in which precomputation is paid for; *time to 1 %* is
+shorter, and there most of it is precomputation: [levers](levers.md) tells of what.
 """
 
 FASTER = """

@@ -17,7 +17,7 @@ from nephrite.physics.color import from_color_and_radius
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
-from benchmarks import analysis, bench, methods, page, runner, scenes  # noqa: E402
+from benchmarks import analysis, asked, bench, methods, page, runner, scenes  # noqa: E402
 from benchmarks.peers import measure, sky  # noqa: E402
 from benchmarks.store import Store  # noqa: E402
 
@@ -163,13 +163,15 @@ def test_climbing_ends_in_time_and_repeats_no_seed() -> None:
 
 
 @pytest.mark.parametrize(
-    ("setup", "expected"), [(5.0, [8, 32, 128]), (100.0, [128, 512]), (0.5, [1, 2, 4, 8, 16, 32, 64])]
+    ("setup", "expected"), [(5.0, [8, 64, 512]), (100.0, [256, 1024]), (0.5, [1, 2, 4, 8, 16, 32, 64])]
 )
 def test_a_dear_precomputation_is_paid_for_once_a_picture_and_counted(
     setup: float, expected: list[int]
 ) -> None:
-    """A quarter of 5 s, and what is left of half a minute, for samples of .125 s: 10 and 152, and one between; 100 s
-    are more than that, and as much is left for samples; .5 s are not dear."""
+    """A quarter of 5 s, and what is left of a minute, for samples of .125 s: 10 and 440, and one between.
+
+    100 s are more than that, and as much is left for samples; .5 s are not dear.
+    """
     clock = Clock(setup, 0.125)
     levels, pictures = measure.climb(measure.Renderer(clock.render, "clock"), 100, 60.0, lambda: clock.now)
     assert [level["spp"] for level in levels] == expected
@@ -181,15 +183,15 @@ def test_a_dear_precomputation_is_paid_for_once_a_picture_and_counted(
 
 @pytest.mark.parametrize("noise", [(0.0, 1.0, 0.2), (0.0, 0.0, 1.6)])
 def test_noise_in_a_dear_precomputation_is_not_taken_for_that_of_samples(noise: tuple[float, ...]) -> None:
-    """Of 30 s, less twice the 5 of precomputation and 1, 19 s at .03 s a sample: 630; calls differ by 1.6 s at most."""
-    clock = Clock(5.0, 0.03)
+    """Of 60 s, less 5 of precomputation, 55 s at .02 s a sample: 2750; calls differ by 1.6 s at most."""
+    clock = Clock(5.0, 0.02)
 
     def render(spp: int, seed: int) -> np.ndarray:
         clock.now += noise[len(clock.asked) % 3]
         return clock.render(spp, seed)
 
     levels, _ = measure.climb(measure.Renderer(render, "clock"), 100, 60.0, lambda: clock.now)
-    assert [level["spp"] for level in levels] == [32, 128, 512]
+    assert [level["spp"] for level in levels] == [64, 256, 2048]
 
 
 @pytest.mark.parametrize("sample", [4.0, 40.0])
@@ -299,6 +301,19 @@ def test_a_process_that_fails_says_why(tmp_path: Path) -> None:
 )
 def test_numbers_have_two_digits(value: float, shown: str) -> None:
     assert page.short(value) == shown
+
+
+def test_what_was_asked_is_told_by_ratios_of_each_round() -> None:
+    """Efficiency: higher is better; time: shorter, by noise alone for the other."""
+    fast = {"efficiency": [8.0, 2.0], "goal": [5.0, 5.0], "quiet": [4.0, 4.0]}
+    slow = {"efficiency": [2.0, 2.0], "goal": [math.inf, math.inf], "quiet": [20.0, 80.0]}
+    numbers = {"transport": fast, "volpathmis": slow}
+    by_efficiency, by_time = (
+        asked.Asked("transport", "volpathmis", how, 2.0).measured(numbers) for how in (True, False)
+    )
+    assert by_efficiency == analysis.Spread(pytest.approx(2.0), 1.0, 4.0)
+    assert by_time == analysis.Spread(pytest.approx(8.0), 4.0, 16.0)
+    assert asked.Asked("walk", "volpathmis", True, 2.0).measured(numbers) is None
 
 
 def test_the_page_without_results_says_how_to_get_them(tmp_path: Path) -> None:

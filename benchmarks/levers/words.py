@@ -47,6 +47,11 @@ No command repeats these, as their code is gone; so here are no figures.
   could be told from noise.
 - *The sky by a shadow ray along the lobe, and fewer paths that go on from there*, in `dipole`: its noise is that of
   light between surfaces, not the sky's, so that it grew as fast as rays went.
+- *Thinning of `transport`'s walks from another order on* than 64: noise times time is least there.
+- *Light between surfaces by paths that follow each other in a lane, with even first directions*, where it is gathered
+  for `transport`: a quarter less noise, where there is little, and no time.
+- *What is precomputed, counted whether a surface mirrors or not, and mirrors chosen more often*: nothing, then more
+  noise.
 """
 
 AGAIN = """

@@ -63,7 +63,7 @@ def climb(
     """Render pairs of pictures with 1, 2, 4, ... samples a pixel until `seconds` would be exceeded.
 
     A renderer that precomputes much at every call gets two levels, so that its precomputation is told from its
-    samples: few, and as many as `seconds` allow; and if these are far apart, one more between them.
+    samples: few, and as many as make a picture of `seconds`; and if these are far apart, one more between them.
 
     Returns:
         For each level `spp` and the `seconds` of one picture; and the pictures, `a0`, `b0`, `a1`, ..., two a level.
@@ -107,10 +107,10 @@ def _doubled(samples: int) -> Iterator[int]:
 def _dear_levels(timed: Callable[[int], tuple[Any, float]], seconds: float) -> list[int]:
     """Return the numbers of samples of a renderer whose calls cost much before their first sample; else none.
 
-    Few: they take a quarter of what goes before them. Many: two such calls have time in what two of the others leave
-    of `seconds`; they get as much time as what goes before them at least, even where there is less. What is
-    precomputed may grow with the samples, so that a time cannot be read off between numbers that are far apart: more
-    than 4 times the few have another pair halfway, on top of `seconds`.
+    Few: they take a quarter of what goes before them. Many: one picture with them takes `seconds`, as a picture is what
+    a precomputation is paid for; they get as much time as what goes before them at least, even where there is less.
+    What is precomputed may grow with the samples, so that a time cannot be read off between numbers that are far apart:
+    more than 4 times the few have another pair halfway.
     """
     one = timed(1)[1]
     if one < _DEAR * seconds:
@@ -124,14 +124,14 @@ def _dear_levels(timed: Callable[[int], tuple[Any, float]], seconds: float) -> l
     if fixed < one / 2:
         return []
     few = _power_of_two(_FEW * fixed / sample)
-    left = seconds / 2 - 2 * fixed - few * sample
-    many = max(_power_of_two(max(left, fixed) / sample), 2 * few)
-    return [few, many] if many <= 4 * few else [few, _power_of_two(math.sqrt(few * many)), many]
+    many = max(_power_of_two(max(seconds - fixed, fixed) / sample), 2 * few)
+    between = few << ((many // few).bit_length() - 1) // 2
+    return [few, many] if many <= 4 * few else [few, between, many]
 
 
 def _power_of_two(samples: float) -> int:
-    """Return the power of two below, so that it is the same in all rounds."""
-    return 1 << min(max(int(samples), 1), _MOST_SAMPLES // 2).bit_length() - 1
+    """Return the nearest power of two, so that it is the same in all rounds."""
+    return 1 << round(math.log2(min(max(samples, 1.0), _MOST_SAMPLES / 2)))
 
 
 def peak_memory() -> int:
