@@ -70,8 +70,11 @@ class Bench:
         self.sources = runner.sources()
 
     def _methods(self) -> list[methods.Method]:
-        wanted = self.given.methods
-        chosen = [m for m in methods.all_methods(self.given.gpu) if not wanted or m.name in wanted]
+        every = methods.all_methods(self.given.gpu)
+        chosen = [m for m in every if not self.given.methods or m.name in self.given.methods]
+        for method in every:
+            if method not in chosen:
+                self._leave_out(method.title, "not asked for in this run")
         lacking = runner.missing(sorted({m.package for m in chosen if m.package}), self.given.peers)
         for method in chosen:
             if method.package in lacking:
