@@ -7,9 +7,9 @@ Each method runs in a process of its own, one after the other, in {rounds} round
 again (LuxCore, which takes minutes, and those that no ratio is asked of, in the first alone). It loads the scene and
 warms up with one sample per pixel; then it renders pairs of pictures of 1, 2, 4, ... samples until {each:g} s are
 spent. A method that precomputes much for each picture renders two pairs: with few samples, and with as many as make a
-picture of {each:g} s, of which precomputation has half at most; and one more with a number between the two, where they
-are far apart. *Seconds* are those of the whole call that makes a picture: tables and precomputation for it are
-included, loading the scene is not. Cycles prepares the scene in that call, and writes a file: what a call with one
+picture of about {each:g} s, of which precomputation has about half at most; and one more with a number between the two,
+where they are far apart. *Seconds* are those of the whole call that makes a picture: tables and precomputation for it
+are included, loading the scene is not. Cycles prepares the scene in that call, and writes a file: what a call with one
 sample takes is taken off.
 """
 

@@ -49,7 +49,7 @@ No command repeats these, as their code is gone; so here are no figures.
   light between surfaces, not the sky's, so that it grew as fast as rays went.
 - *Thinning of `transport`'s walks from another order on* than 64: noise times time is least there.
 - *Light between surfaces by paths that follow each other in a lane, with even first directions*, where it is gathered
-  for `transport`: a quarter less noise, where there is little, and no time.
+  for `transport`: less noise, where there is little, and no time.
 - *What is precomputed, counted whether a surface mirrors or not, and mirrors chosen more often*: nothing, then more
   noise.
 """

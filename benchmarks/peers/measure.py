@@ -125,12 +125,13 @@ def _dear_levels(timed: Callable[[int], tuple[Any, float]], seconds: float) -> l
         return []
     few = _power_of_two(_FEW * fixed / sample)
     many = max(_power_of_two(max(seconds - fixed, fixed) / sample), 2 * few)
+    # the power of two next to their geometric mean, or below it
     between = few << ((many // few).bit_length() - 1) // 2
     return [few, many] if many <= 4 * few else [few, between, many]
 
 
 def _power_of_two(samples: float) -> int:
-    """Return the nearest power of two, so that it is the same in all rounds."""
+    """Return the nearest power of two, so that most rounds have the same."""
     return 1 << round(math.log2(min(max(samples, 1.0), _MOST_SAMPLES / 2)))
 
 
