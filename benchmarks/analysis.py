@@ -158,13 +158,14 @@ def ratio(above: Sequence[float], below: Sequence[float]) -> Spread | None:
 def summary(runs: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """Return the numbers of a method's rounds, as lists over them, and the curve of the means.
 
-    `goal`: seconds to `GOAL`; `quiet`: the same if it had no bias.
+    `goal`: seconds to `GOAL`; `quiet`: the same if it had no bias. The curve has the numbers of samples that all rounds
+    have rendered.
     """
     curves = [run["curve"] for run in runs]
-    depth = min(len(curve) for curve in curves)
+    levels = [{point["spp"]: point for point in curve} for curve in curves]
     mean_curve = [
-        {key: float(np.mean([curve[i][key] for curve in curves])) for key in ("seconds", "relmse", "noise")}
-        for i in range(depth)
+        {key: float(np.mean([level[spp][key] for level in levels])) for key in ("seconds", "relmse", "noise")}
+        for spp in sorted(set.intersection(*map(set, levels)))
     ]
     goals = [time_to_goal(curve) for curve in curves]
     return {
