@@ -20,6 +20,7 @@ import nephrite
 from nephrite import materials
 from nephrite.scene import build, named
 
+RESOLUTION = (400, 300)
 BODY = (slice(130, 240), slice(80, 180))  # rows and columns of the 400 x 300 picture
 METHODS: dict[str, dict[str, Any]] = {
     "volpathmis": {"type": "volpathmis", "max_depth": -1, "rr_depth": 1000},
@@ -45,7 +46,7 @@ def scene() -> Any:
     }
     surface = {"type": "dielectric", "int_ior": medium.eta, "ext_ior": 1.0}
     described = build.scene_dict(
-        named.find("dragon"), surface, 100.0, light="benchmark", resolution=(400, 300)
+        named.find("dragon"), surface, 100.0, light="benchmark", resolution=RESOLUTION
     )
     described["object"]["interior"] = interior
     return mi.load_dict(described, optimize=False)
