@@ -16,6 +16,7 @@ from benchmarks.growth import numbers as growth_numbers  # noqa: E402
 from benchmarks.growth.asked import Results  # noqa: E402
 from benchmarks.growth.numbers import Point  # noqa: E402
 from benchmarks.peers import measure  # noqa: E402
+from support.quick import slow  # noqa: E402
 
 BLACK = np.zeros((6, 8, 3), np.uint8)
 TITLES = {method.name: method.title for method in methods.all_methods(gpu=False)}
@@ -102,7 +103,7 @@ def test_g_keeps_the_reduced_scattering() -> None:
 # --- Processes ---
 
 
-@pytest.mark.parametrize("command_line", [as_user.with_memory, as_user.from_outside])
+@pytest.mark.parametrize("command_line", [as_user.from_outside, slow(as_user.with_memory)])
 def test_the_command_line_is_measured(command_line) -> None:
     arguments = [
         "render",

@@ -27,15 +27,18 @@ def found():
     return measure.measured(QUICK, Store(None), tuple(MODELS))
 
 
+@pytest.mark.slow
 def test_no_model_has_become_worse(found):
     assert watch.worse(found, RECORDED) == []
 
 
+@pytest.mark.slow
 def test_the_recorded_figures_know_every_model(found):
     for part, key in (("half_spaces", "model"), ("slabs", "model"), ("pictures", "method")):
         assert {row[key] for row in RECORDED[part]} == {row[key] for row in found[part]}
 
 
+@pytest.mark.slow
 def test_the_page_says_what_was_found(found):
     made = page.Made("nephrite atlas --quick", "llvm_ad_rgb", 0.5, "data.json", "figures", QUICK.shown)
     assert "efficiency" not in page.text(found, QUICK, made), "a few small pictures say nothing about it"
@@ -52,6 +55,7 @@ def test_the_page_says_what_was_found(found):
     assert "inf" not in text
 
 
+@pytest.mark.slow
 def test_what_noise_leaves_open_gets_more_samples():
     plan = replace(QUICK, views=QUICK.views[:1], truth_spp=2, spp=2, finer=(2, 4))
     rows, (contest,) = pictures.pictures(plan, Store(None), ("walk", "tabulated", "photon_beam"))

@@ -27,6 +27,7 @@ def few(monkeypatch):
     return ("atlas", "--quick", "--models", "dipole")
 
 
+@pytest.mark.slow
 def test_a_page_is_written_and_a_second_run_measures_nothing(tmp_path, few, monkeypatch):
     page, work = tmp_path / "a.md", tmp_path / "work"
     result = nephrite(*few, "-o", page, "--work", work)

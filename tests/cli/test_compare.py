@@ -15,6 +15,7 @@ from nephrite.cli.compare import split
 from nephrite.cli.job import Settings
 from nephrite.image import write
 from nephrite.rendering.result import Result
+from support.quick import slow
 
 TINY = ["--resolution", "32x24", "--spp", "2", "--variant", "llvm_ad_rgb"]
 
@@ -32,10 +33,10 @@ def panel(label: str, brightness: float, mask: np.ndarray | None = None) -> pane
 @pytest.mark.parametrize(
     ("ways", "labels"),
     [
-        (["--models", "brdf | walk"], ["brdf", "walk"]),
-        (["--terms", "single,reduced+single,all"], ["single", "reduced+single", "all"]),
         (["--materials", "jade, skim milk"], ["jade", "skim milk"]),
-        (["--models", "brdf,walk", "--materials", "jade,ketchup"], ["brdf, jade", "walk, ketchup"]),
+        slow(["--models", "brdf | walk"], ["brdf", "walk"]),
+        (["--terms", "single,reduced+single,all"], ["single", "reduced+single", "all"]),
+        slow(["--models", "brdf,walk", "--materials", "jade,ketchup"], ["brdf, jade", "walk, ketchup"]),
     ],
 )
 def test_every_way_is_a_panel(tmp_path, ways, labels):
@@ -60,6 +61,7 @@ def test_the_reference_may_be_the_first(tmp_path):
     assert write.read_metadata(path)["reference"] == "walk"
 
 
+@pytest.mark.slow
 def test_a_thickness_goes_to_the_model_that_it_belongs_to(tmp_path):
     path = tmp_path / "figure.png"
     words = ["--models", "dipole,multipole,walk", "--thickness", "10mm"]

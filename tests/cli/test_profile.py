@@ -42,6 +42,7 @@ def test_a_plot_and_a_table(tmp_path):
         assert float(row["photon_beam"]) >= 0
 
 
+@pytest.mark.slow
 def test_svg_and_the_default_name(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert nephrite("profile", "skim milk", *FEW, "-o", "a.svg").exit_code == 0
@@ -116,6 +117,7 @@ def test_mistakes_are_told_before_anything_is_simulated(tmp_path, monkeypatch, w
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_numbers(tmp_path):
     outputs = []
     for seed in (1, 1, 2):

@@ -124,6 +124,7 @@ def test_a_scene_without_anything_translucent_is_refused(tmp_path, never_rendere
     assert "no translucent object" in said(result)
 
 
+@pytest.mark.slow
 def test_a_measured_profile_and_a_thickness_are_used_and_told(tmp_path):
     file, path = tmp_path / "skin.csv", tmp_path / "a.exr"
     file.write_text("0 .1\n1 .03\n4 0\n")

@@ -17,6 +17,7 @@ from nephrite.physics import Medium, color, color_halfspace, color_interface, fr
 from nephrite.physics.single import single_scattering_share
 from support import plate
 from support.measure import FALSE_ALARM
+from support.quick import slow
 
 SURFACES = [
     (0.7, 0.0, 0.0),
@@ -252,9 +253,9 @@ def test_impossible_appearances_are_refused(arguments, message):
     ("eta", "g", "alpha", "colors"),
     [
         (1.0, 0.5, 0.0, (0.1, 0.8)),
-        (1.3, 0.0, 0.0, (0.1, 0.4, 0.8)),
-        (1.6, 0.7, 0.0, (0.05, 0.3)),
-        (1.5, 0.6, 0.4, (0.05, 0.3)),
+        slow(1.3, 0.0, 0.0, (0.1, 0.4, 0.8)),
+        slow(1.6, 0.7, 0.0, (0.05, 0.3)),
+        slow(1.5, 0.6, 0.4, (0.05, 0.3)),
     ],
 )
 def test_a_render_has_the_colour_that_was_asked_for(eta, g, alpha, colors):

@@ -9,6 +9,7 @@ import pytest
 
 from nephrite.plugins import camera, sequence
 from support import measure, scenes
+from support.quick import slow
 
 
 def _scene(**film):
@@ -25,6 +26,7 @@ def test_a_gaussian_filter_keeps_the_mean():
     assert gaussian[4:12, 4:12].mean() == pytest.approx(box[4:12, 4:12].mean(), rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_crop_window_is_a_part_of_the_picture():
     whole = measure.passes(_scene(), scenes.ours(), 128, 10, 100)
     crop = {"crop_offset_x": 4, "crop_offset_y": 8, "crop_width": 8, "crop_height": 4}
@@ -33,7 +35,7 @@ def test_a_crop_window_is_a_part_of_the_picture():
     measure.assert_same(part, measure.Passes(whole.pictures[:, 8:12, 4:12]))
 
 
-@pytest.mark.parametrize("model", ["walk", "dipole", "tabulated"])
+@pytest.mark.parametrize("model", ["walk", "dipole", slow("tabulated")])
 def test_paths_are_traced_once(model):
     scene, integrator = mi.load_dict(_scene()), mi.load_dict(scenes.ours(model=model))
     mi.render(scene, integrator=integrator, spp=4)
@@ -58,6 +60,7 @@ def test_alpha_is_the_coverage_of_the_object(model):
     np.testing.assert_allclose(picture[..., 3], depth[..., 3], atol=0.15)
 
 
+@pytest.mark.slow
 def test_aovs_come_with_the_picture():
     integrator = {"type": "aov", "aovs": "d:depth,n:sh_normal", "own": scenes.ours()}
     plain = measure.passes(_scene(), scenes.ours(), 128, 8, 100)

@@ -13,8 +13,10 @@ from nephrite.scene.place import placed
 from nephrite.scene.ply import write_ply
 from nephrite.scene.translucent import object_mask
 from support import measure, scenes
+from support.quick import slow
 
 SPP = {"exact": 64, "lobe": 3072}
+EXITS = ["exact", slow("lobe")]
 WHITE = {"sigma_a": 0.0, "sigma_s": [0.4, 0.6, 0.9]}
 
 
@@ -39,7 +41,7 @@ def _brightness(scene, integrator, spp, passes=8):
     return found.mean(), found.std(ddof=1) / len(found) ** 0.5
 
 
-@pytest.mark.parametrize("exit_", ["exact", "lobe"])
+@pytest.mark.parametrize("exit_", EXITS)
 @pytest.mark.parametrize(("shape", "alpha"), [("sphere", 0.0), ("cube", 0.0), ("sphere", 0.3)])
 def test_walk_is_white(shape, alpha, exit_):
     scene = _furnace(scenes.placed(shape), alpha)
@@ -53,7 +55,7 @@ def test_walk_is_white(shape, alpha, exit_):
 
 
 @pytest.mark.parametrize("name", ["pendant", "dragon-tiny"])
-@pytest.mark.parametrize("exit_", ["exact", "lobe"])
+@pytest.mark.parametrize("exit_", EXITS)
 def test_walk_is_white_on_a_mesh(name, exit_, tmp_path):
     if name == "dragon-tiny" and not dragon.is_cached(name):
         pytest.skip("the dragon is not in the cache")
@@ -69,11 +71,12 @@ def test_walk_is_white_on_a_mesh(name, exit_, tmp_path):
     assert mean == pytest.approx(1.0, abs=2e-3 + noise)
 
 
+SHAPES = ["slab", slow("sphere")]
 MODELS = [model for model in settings.MODELS if model != "walk"]
 
 
 @pytest.mark.parametrize("model", MODELS)
-@pytest.mark.parametrize("shape", ["sphere", "slab"])
+@pytest.mark.parametrize("shape", SHAPES)
 def test_no_model_makes_energy(model, shape, tmp_path):
     scene = _furnace(scenes.placed(shape))
     details = {}
@@ -88,7 +91,7 @@ def test_no_model_makes_energy(model, shape, tmp_path):
 
 
 @pytest.mark.parametrize("thickness", [0.5, 2.0, 20.0])
-@pytest.mark.parametrize("shape", ["sphere", "slab"])
+@pytest.mark.parametrize("shape", SHAPES)
 def test_no_thickness_makes_energy(thickness, shape):
     """Of a multipole, whatever the object's own is: 2 of the slab."""
     scene = _furnace(scenes.placed(shape))
@@ -99,7 +102,14 @@ def test_no_thickness_makes_energy(thickness, shape):
         assert mean > 0.95  # its rim loses some
 
 
-@pytest.mark.parametrize("model", ["dipole", "directional", "brdf"])
+@pytest.mark.parametrize(
+    "model",
+    [
+        slow("dipole"),
+        slow("directional"),
+        "brdf",
+    ],
+)
 def test_no_model_makes_energy_on_a_folded_mesh(model, tmp_path):
     scene = _furnace(_mesh("pendant", tmp_path))
     mean, error = _brightness(scene, scenes.ours(model=model), 256)

@@ -90,6 +90,7 @@ def test_what_leaves_after_one_event_is_less_noisy_by_the_way_out(monkeypatch):
     assert _compared(scene, integrator, monkeypatch, "OUT") < 0.8
 
 
+@pytest.mark.slow
 def test_twins_turn_with_their_paths(monkeypatch):
     """Where transport is precomputed, twins take away what they bring, whatever the turn is worth."""
     scene = scenes.camera(8, fov=12.0)

@@ -15,9 +15,15 @@ from nephrite.scene import named
 from nephrite.scene.place import placed
 from nephrite.scene.ply import write_ply
 from support import measure, scenes
+from support.quick import slow
 
 SIGMA_A, SIGMA_S = (0.02, 0.05, 0.1), (0.5, 0.7, 0.9)
-MODELS = [{"model": "walk"}, {"model": "walk", "exit": "exact"}, {"model": "dipole"}, {"model": "brdf"}]
+MODELS = [
+    {"model": "walk"},
+    slow({"model": "walk", "exit": "exact"}),
+    slow({"model": "dipole"}),
+    slow({"model": "brdf"}),
+]
 
 
 def _scene(shape, kind=scenes.translucent, **parameters):
@@ -41,6 +47,7 @@ def test_flipped_normals(parameters):
     )
 
 
+@pytest.mark.slow
 def test_flipped_normals_of_a_rough_standard_object():
     flipped = scenes.placed("sphere") | {"flip_normals": True}
     one, other = (_scene(s, scenes.standard, alpha=0.3) for s in (scenes.placed("sphere"), flipped))
@@ -50,13 +57,13 @@ def test_flipped_normals_of_a_rough_standard_object():
 @pytest.mark.parametrize(
     ("order", "model"),
     [
-        ("reversed", "walk"),
         ("mixed", "walk"),
-        ("reversed", "dipole"),
-        ("mixed", "dipole"),
-        ("mixed, vertices not shared", "dipole"),
-        ("mixed", "tabulated"),
-        ("mixed", "directional"),
+        slow("reversed", "walk"),
+        slow("reversed", "dipole"),
+        slow("mixed", "dipole"),
+        slow("mixed, vertices not shared", "dipole"),
+        slow("mixed", "tabulated"),
+        slow("mixed", "directional"),
     ],
 )
 def test_reversed_and_mixed_faces(order, model, tmp_path):
@@ -74,7 +81,7 @@ def test_reversed_and_mixed_faces(order, model, tmp_path):
     _same(_scene(shapes[0]), _scene(shapes[1]), {"model": model}, spp=1024)
 
 
-@pytest.mark.parametrize("parameters", [*MODELS[::2], {"model": "brdf"}], ids=lambda p: "-".join(p.values()))
+@pytest.mark.parametrize("parameters", [MODELS[0], *MODELS[2:]], ids=lambda p: "-".join(p.values()))
 def test_a_unit_with_its_size(parameters):
     """Centimetres with unit 10 for millimetres with unit 1."""
     millimetres = _scene(scenes.placed("sphere"))
@@ -100,7 +107,7 @@ def _grey(pixel_format):
 
 
 @pytest.mark.usefixtures("switching")
-@pytest.mark.parametrize("model", ["walk", "dipole", "brdf"])
+@pytest.mark.parametrize("model", ["brdf", slow("walk"), slow("dipole")])
 def test_variants_agree_and_switch_back_and_forth(model):
     found = {}
     order = ("llvm_ad_rgb", "llvm_ad_mono", "llvm_ad_spectral", "scalar_rgb", "llvm_ad_rgb", "llvm_ad_mono")

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from support import measure, scenes
+from support.quick import slow
 
 MODELS = ["walk", "dipole", "brdf", "auto"]
 
@@ -19,7 +20,7 @@ def _one(bsdf, environment=1.0, resolution=12, fov=24.0):
     return scene
 
 
-@pytest.mark.parametrize("unit", [1.0, 2.0])
+@pytest.mark.parametrize("unit", [1.0, slow(2.0)])
 @pytest.mark.parametrize("sigma_a", [(0.0, 0.0, 0.0), (0.1, 0.1, 0.1), (0.02, 0.2, 1.0)])
 def test_a_glowing_ball_has_the_closed_form(sigma_a, unit):
     """Nothing scatters, nothing refracts: L = Q / sigma_a (1 - exp(-sigma_a l)), l the chord."""
@@ -71,7 +72,10 @@ def _constant(value):
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize(
     ("first", "second"),
-    [(("sigma_a", (0.02, 0.1, 0.3)), ("sigma_s", 0.7)), (("albedo", (0.8, 0.5, 0.2)), ("radius", 1.0))],
+    [
+        (("sigma_a", (0.02, 0.1, 0.3)), ("sigma_s", 0.7)),
+        slow(("albedo", (0.8, 0.5, 0.2)), ("radius", 1.0)),
+    ],
 )
 def test_a_bitmap_of_one_colour_is_that_colour(first, second, model):
     plain = _one({first[0]: scenes.rgb(first[1]), second[0]: scenes.rgb(second[1])})
@@ -135,7 +139,7 @@ def test_mean_free_paths_of_every_length(length, model):
     assert 0.05 < picture.mean() < 1.02
 
 
-@pytest.mark.parametrize("exit_", ["exact", "lobe"])
+@pytest.mark.parametrize("exit_", ["exact", slow("lobe")])
 def test_no_medium_is_clear_glass(exit_):
     """z-test against Mitsuba's dielectric; fails a right program with probability `measure.FALSE_ALARM`."""
     behind = {"type": "rectangle", "to_world": mi.ScalarTransform4f().translate([0, 0, -15]).scale(20)}
@@ -160,6 +164,7 @@ def test_a_black_ball_reflects_by_fresnel(eta, model):
     assert found == pytest.approx(truth, abs=5 * math.sqrt(truth / count))
 
 
+@pytest.mark.slow
 def test_a_very_dense_medium_is_the_local_model():
     """Mean free path 1/1000 of the object: walk, dipole and local model show the same, as far as the dipole holds."""
     bsdf = {"sigma_a": 0.5, "sigma_s": 50.0}

@@ -30,6 +30,7 @@ def _ball(**coefficients):
     return scene
 
 
+@pytest.mark.slow
 def test_nothing_is_lost_in_even_light():
     picture = measure.picture(_ball() | {"sky": scenes.environment(1.0)}, QUICK, 512)
     assert picture.mean((0, 1)) == pytest.approx(1.0, abs=0.01)
@@ -49,6 +50,7 @@ def test_pictures_are_the_walks(trial):
     assert abs(found.worst[0]) < 0.05 + 3 * found.worst[1]
 
 
+@pytest.mark.slow
 def test_several_objects_light_each_other():
     """Two materials, and a floor: within 3 %, with a million walks each."""
     scene = scenes.camera(12) | {"light": scenes.light((0.6, 0.5, 0.6)), "sky": scenes.environment(0.2)}
@@ -66,6 +68,7 @@ def test_several_objects_light_each_other():
     assert np.abs(found.mean).max() < 0.03
 
 
+@pytest.mark.slow
 def test_light_finds_its_way_into_a_deep_gap(tmp_path):
     """Between two bright walls light goes to and fro: a few rounds are 12 % too dark; within 3 %."""
     walls = [trimesh.creation.box((8.0, 12.0, 12.0)).apply_translation([x, 0.0, 0.0]) for x in (-4.6, 4.6)]
@@ -83,6 +86,7 @@ def test_light_finds_its_way_into_a_deep_gap(tmp_path):
     assert own == pytest.approx(walk, rel=0.03)
 
 
+@pytest.mark.slow
 def test_a_ball_lit_from_the_side_keeps_its_directions():
     """Without memory at both ends, it is some 13 % too dark; within 2 %, with 1.5 million walks."""
     scene = scenes.camera(8, fov=10.0) | {"light": scenes.light((0.9, 0.3, 0.1))}
@@ -95,6 +99,7 @@ def test_a_ball_lit_from_the_side_keeps_its_directions():
     assert own == pytest.approx(walk, rel=0.02)
 
 
+@pytest.mark.slow
 def test_light_crosses_a_thin_part_along_the_short_way(tmp_path):
     """Straight through a plate of 1.5 mean free paths, less scatters twice than from all sides; within 2 %."""
     plate = trimesh.creation.box((12.0, 12.0, 1.5))
@@ -131,6 +136,7 @@ def test_little_that_scatters_twice_is_not_lost():
     assert own[2] == 0
 
 
+@pytest.mark.slow
 def test_terms_add_up():
     """Statistical: with one transport for all, a right program fails with probability `measure.FALSE_ALARM`."""
     scene = mi.load_dict(_ball() | {"light": scenes.light((0.6, 0.5, 0.6))})
@@ -141,6 +147,7 @@ def test_terms_add_up():
     measure.assert_same(measure.Passes(sum(part.pictures for part in parts)), whole)
 
 
+@pytest.mark.slow
 def test_a_moved_light_needs_no_new_walks(monkeypatch):
     calls = []
     original = walked.walk
@@ -179,6 +186,7 @@ def test_more_samples_have_more_walks(samples, walks):
     assert walks_for(samples) == walks
 
 
+@pytest.mark.slow
 def test_more_samples_make_a_finer_transport_and_fewer_keep_it(monkeypatch):
     made = []
     monkeypatch.setattr(kept, "FEWEST_WALKS", 20_000)
@@ -191,6 +199,7 @@ def test_more_samples_make_a_finer_transport_and_fewer_keep_it(monkeypatch):
     assert made == [(20_000, 3), (1 << 16, 4)]
 
 
+@pytest.mark.slow
 def test_another_seed_makes_other_walks():
     scene = mi.load_dict(_ball() | {"sky": scenes.environment(1.0)})
     found = []
@@ -203,6 +212,7 @@ def test_another_seed_makes_other_walks():
     assert found[0].mean() == pytest.approx(found[2].mean(), rel=0.03)
 
 
+@pytest.mark.slow
 def test_walks_take_over_where_transport_does_not_hold():
     sky = {"sky": scenes.environment(1.0)}
     assert _choices(_ball() | sky) == ["transport"]
@@ -230,6 +240,7 @@ def test_nodes_face_outward_whatever_the_winding(flip):
     assert (np.einsum("ij,ij->i", points, normals) > 0).all()
 
 
+@pytest.mark.slow
 def test_a_monochromatic_variant_renders_it(switching):
     mi.set_variant("llvm_ad_mono")
     picture = measure.picture(_ball() | {"sky": scenes.environment(1.0)}, QUICK, 64)

@@ -44,6 +44,7 @@ def test_nothing_is_no_division_by_zero():
     assert _entering([0.0], 0.0) == pytest.approx(0)
 
 
+@pytest.mark.slow
 def test_light_that_it_has_thinned_out_is_as_much():
     """A dark wall beside a ball that the camera does not see: few paths that come to the ball from it begin a walk."""
     scene = scenes.camera(8, fov=10.0)

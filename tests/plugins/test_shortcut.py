@@ -29,6 +29,7 @@ def _step_by_step(scene, media, lamps, number, ray, β, ratio, *rest):
     return β, ratio, ray, nothing, mi.UInt32(0), nothing
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("shape", "material"), [("sphere", "skin"), ("slab", "skin"), ("cube", "marble")])
 def test_two_events_at_once_bring_what_two_steps_bring(shape, material, monkeypatch):
     scene = mi.load_dict(_lit_from_behind(shape, material))
@@ -37,6 +38,7 @@ def test_two_events_at_once_bring_what_two_steps_bring(shape, material, monkeypa
     measure.assert_same(at_once, _rendered(scene, 500), label=f"{shape}, {material}")
 
 
+@pytest.mark.slow
 def test_what_roulette_spares_brings_as_much(monkeypatch):
     scene = mi.load_dict(_lit_from_behind("sphere", "skin"))
     thinned = _rendered(scene, 100)

@@ -18,6 +18,7 @@ def _light(scene, model, mask):
     return found.mean(0), found.std(0, ddof=1) / len(found) ** 0.5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("shape", "light"), [("slab", "back"), ("sphere", "side")])
 def test_small_objects_of_milk(shape, light):
     """Within 6 % of the walk's light and at most half as far off as photon beam diffusion, whose profile is as good.

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from support import measure, scenes
+from support.quick import slow
 
 TERMS = ("reduced", "single", "multiple")
 
@@ -15,10 +16,10 @@ TERMS = ("reduced", "single", "multiple")
 @pytest.mark.parametrize(
     "parameters",
     [
-        {"model": "walk", "exit": "lobe"},
         {"model": "walk", "exit": "exact"},
-        {"model": "dipole"},
-        {"model": "brdf"},
+        slow({"model": "walk", "exit": "lobe"}),
+        slow({"model": "dipole"}),
+        slow({"model": "brdf"}),
     ],
     ids=lambda p: "-".join(p.values()),
 )
@@ -38,6 +39,7 @@ def test_terms_add_up(parameters):
     assert (shares[1] > 0.02) == (parameters["model"] != "brdf")
 
 
+@pytest.mark.slow
 def test_two_terms_are_the_sum_of_each():
     scene = mi.load_dict(scenes.trial(scenes.Trial("slab", "skin"), resolution=12))
     one, two = (

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from support import measure, scenes
+from support.quick import slow
 
 SIGMA_A, SIGMA_S = (0.05, 0.1, 0.2), (0.4, 0.5, 0.6)
 EXACT = scenes.ours(model="walk", exit="exact")
@@ -93,7 +94,7 @@ def test_surroundings_equal_volpathmis(make):
     measure.assert_same(own, truth, label=make.__name__)
 
 
-@pytest.mark.parametrize("model", ["walk", "dipole", "brdf", "auto"])
+@pytest.mark.parametrize("model", ["auto", slow("walk"), slow("dipole"), slow("brdf")])
 @pytest.mark.parametrize("make", AROUND, ids=lambda make: make.__name__[1:])
 def test_every_model_renders_surroundings(make, model):
     picture = measure.picture(make(), scenes.ours(model=model), 32)
@@ -114,7 +115,7 @@ def test_a_standard_scene_without_media_is_what_path_makes():
     )
 
 
-@pytest.mark.parametrize("depth", [1, 2, 3, 5])
+@pytest.mark.parametrize("depth", [1, 2, slow(3), slow(5)])
 def test_max_depth_means_what_it_means_in_path(depth):
     scene = _lit()
     scene["ball"] = _ball() | _diffuse((0.9, 0.8, 0.7))
@@ -132,6 +133,7 @@ def test_max_depth_means_what_it_means_in_path(depth):
     )
 
 
+@pytest.mark.slow
 def test_a_walk_is_one_bounce():
     """Depth 1 sees lights alone; depth 2 all that one reflection or one walk brings.
 
@@ -151,7 +153,7 @@ POINT = {"type": "point", "position": [30.0, 20.0, 30.0], "intensity": 5000.0}
 SMALL = {"type": "sphere", "center": [30.0, 20.0, 30.0], "radius": 2.0}
 
 
-@pytest.mark.parametrize("model", ["walk", "dipole", "brdf"])
+@pytest.mark.parametrize("model", ["walk", slow("dipole"), slow("brdf")])
 def test_a_point_light_is_a_small_lamp_of_the_same_power(model):
     """A sphere of radius 2 at a distance of 47: intensity = radiance pi r^2; within 2 %."""
     base = scenes.camera(8)
@@ -169,6 +171,7 @@ def test_a_point_light_is_a_small_lamp_of_the_same_power(model):
     assert a.mean() == pytest.approx(b.mean(), rel=0.02 + 3 * error)
 
 
+@pytest.mark.slow
 def test_a_directional_light_is_a_lamp_far_away():
     base = scenes.camera(8)
     base["ball"] = _ball(9.0) | scenes.translucent(SIGMA_A, SIGMA_S)
@@ -195,6 +198,7 @@ def test_an_environment_map_of_one_colour_is_a_constant_environment():
     measure.assert_same(mapped, constant)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", ["walk", "dipole", "brdf"])
 @pytest.mark.parametrize("kind", [scenes.translucent, scenes.standard])
 def test_instances_are_what_they_are_instances_of(kind, model):

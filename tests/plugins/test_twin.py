@@ -40,6 +40,7 @@ def test_its_mean_is_known(g, eta, cosine):
     assert (np.abs(values.mean(axis=1) - known) < _SURE * error + 2e-4 * known).all()
 
 
+@pytest.mark.slow
 def test_where_it_is_flat_and_thick_no_luck_is_left():
     """But that of what the surface reflects: variance over squared mean is .023; without twins it is .072."""
     scene = scenes.camera(8, fov=4.0) | {"sky": scenes.environment(1.0)}

@@ -52,6 +52,7 @@ def fresh(viewer):
     return lambda scene: Viewer(mi.load_dict(scene), viewer.transport)
 
 
+@pytest.mark.slow
 def test_nothing_is_lost_in_even_light():
     """A ball that absorbs nothing vanishes under an even sky: within 1.5 %, and 3 % in blocks of 4 x 4.
 
@@ -66,6 +67,7 @@ def test_nothing_is_lost_in_even_light():
     assert np.abs(blocks - 1).max() < 0.03
 
 
+@pytest.mark.slow
 def test_moved_lights_compile_nothing(viewer):
     """Their places are no numbers in kernels: to compile those takes longer than the frame."""
     lamp, found = viewer.light("lamp"), []
@@ -152,6 +154,7 @@ def test_parameters_of_the_whole_scene_move_it_too(viewer):
     np.testing.assert_allclose(third.frame(), moved, rtol=1e-4, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_frames_get_better_while_lights_rest(fresh):
     viewer = fresh(_scene())
     first = viewer.frame()
@@ -168,6 +171,7 @@ def test_the_scene_keeps_its_names(viewer):
     assert list(mi.traverse(scene).keys()) == before
 
 
+@pytest.mark.slow
 def test_a_moved_camera_sees_the_other_side(fresh):
     scene = mi.load_dict(_scene())
     viewer = fresh(_scene())

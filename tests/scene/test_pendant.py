@@ -27,6 +27,7 @@ def test_the_pendant_is_one_closed_piece_and_the_same_each_time():
     assert (mesh.vertices == again.vertices).all()
 
 
+@pytest.mark.slow
 def test_the_pendant_at_its_full_resolution_is_cached(tmp_path, monkeypatch):
     monkeypatch.setenv("NEPHRITE_CACHE", str(tmp_path))
     mesh = pendant.make()

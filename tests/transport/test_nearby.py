@@ -3,6 +3,7 @@
 import drjit as dr
 import mitsuba as mi
 import numpy as np
+import pytest
 
 from nephrite.transport.nearby import Nearby
 
@@ -72,6 +73,7 @@ def test_beside_an_edge_nodes_are_found_too():
     )
 
 
+@pytest.mark.slow
 def test_in_the_mean_what_is_looked_up_beside_a_point_is_smooth_in_it():
     """A ramp is found again within 3 % of reach: its steps from node to node, of .04, are not."""
     nearby = Nearby([(*_surface(), REACH)])
