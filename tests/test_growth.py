@@ -30,7 +30,7 @@ def numbers(sampling: float, before: float = 0.0, variance: float = 0.02) -> dic
 
 
 def command(seconds: float, **more: bool) -> dict:
-    notes = {"samples": "2", "noise_reached": "0.123", "denoised": "yes"}
+    notes = {"model": "walk", "samples": "2", "noise_reached": "0.123", "denoised": "yes"}
     given = {"seconds": seconds, "peak": 2 * 2**30, "notes": notes, "date": "2026-01-02T03:05+00:00"}
     return {**given, **more}
 
@@ -167,7 +167,8 @@ def test_what_was_asked_stands_beside_what_was_measured() -> None:
     assert (
         found["g 0 -> 0.9: `walk`"][1] == "not used; from the first event on its error would be 5.0 ± 0.2 %"
     )
-    assert found["first picture, the slowest of all"][1:] == ["11.0 s", "yes"]
+    assert found["first picture, the slowest: `walk`"][1:] == ["11.0 s", "yes"]
+    assert found["first picture, the slowest: `transport`"][1:] == ["-", "-"]
 
 
 def test_nothing_is_said_of_growth_that_was_not_measured_to_its_end() -> None:

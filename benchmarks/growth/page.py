@@ -28,6 +28,7 @@ from benchmarks.growth.plots import Panel, panels
 from benchmarks.page import MIB, short
 from benchmarks.peers.measure import cores
 from nephrite.atlas.tables import paragraph, percent, table
+from nephrite.image import figure
 from nephrite.image import write as images
 
 
@@ -181,17 +182,21 @@ def _g(points: Sequence[Point], titles: Mapping[str, str], figures: Path, given:
 def _first(runs: Sequence[tuple[Numbers, NDArray[np.uint8]]], figures: Path, given: Mapping[str, Any]) -> str:
     if not runs:
         return ""
-    images.save(figures / "first.png", runs[0][1], {"shows": "a first picture"})
+    shown: dict[str, NDArray[np.uint8]] = {}
+    for n, pixels in runs:
+        shown.setdefault(n["notes"]["model"], pixels)
+    both = figure.side_by_side(list(shown.values()), list(shown))
+    images.save(figures / "first.png", both, {"shows": "first pictures"})
     rows = [
         [
-            "no" if n["cold"] else "yes", f"{n['seconds']:.1f}", n["notes"]["samples"],
+            n["notes"]["model"], "no" if n["cold"] else "yes", f"{n['seconds']:.1f}", n["notes"]["samples"],
             f"{100 * float(n['notes']['noise_reached']):.1f}", n["notes"]["denoised"],
         ]
         for n, _ in runs
     ]  # fmt: skip
-    head = ("kernels kept", "seconds", "samples", "noise before the denoiser, %", "denoised")
+    head = ("model", "kernels kept", "seconds", "samples", "noise before the denoiser, %", "denoised")
     told = _prose(words.FIRST.format(**given))
-    picture_ = "![The first picture: B1 in skim milk](figures/growth/first.png)"
+    picture_ = "![First pictures: B1 in skim milk](figures/growth/first.png)"
     return "\n\n".join(["## First picture", told, picture_, table(head, rows)])
 
 

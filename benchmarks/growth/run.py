@@ -95,16 +95,14 @@ class Growth:
     def first(self) -> list[tuple[Numbers, NDArray[np.uint8]]]:
         """Return times of first pictures, and these: without kernels that were compiled before, and with them."""
         runs = []
-        for number in range(self.plan["repeats"]):
-            for cold in (True, False):
-                arguments = self._arguments(self.plan["resolution"], "walk", ["--time", self.plan["time"]])
-                arguments += ["--seed", str(number)]
-                job = {"arguments": arguments, "cold": cold}
-                runs.append(
-                    self._kept(
-                        "first", f"first/{number}-{'cold' if cold else 'warm'}", job, as_user.from_outside
-                    )
-                )
+        ways = {"walk": ["--time", self.plan["time"]], "transport": ["--spp", str(self.plan["spp"])]}
+        for model, until in ways.items():
+            for number in range(self.plan["repeats"]):
+                for cold in (True, False):
+                    arguments = self._arguments(self.plan["resolution"], model, until)
+                    job = {"arguments": [*arguments, "--seed", str(number)], "cold": cold}
+                    name = f"first/{model}-{number}-{'cold' if cold else 'warm'}"
+                    runs.append(self._kept("first", name, job, as_user.from_outside))
         return [(told, pictures["shown"]) for told, pictures in filter(None, runs)]
 
     def resolution(self) -> list[Point]:

@@ -50,7 +50,11 @@ before.
 
 ```
 nephrite render dragon --material "skim milk" --light benchmark --resolution {resolution} --model walk --time {time}
+nephrite render dragon --material "skim milk" --light benchmark --resolution {resolution} --model transport --spp {spp}
 ```
+
+`walk` has blotches of colour, as each of its few samples tells of little more than one colour. `transport` has none of
+them, but takes longer: it precomputes for some seconds, and compiles more.
 
 *Kernels kept*: whether Dr.Jit finds those that an earlier process has compiled; without them, it is the first picture
 after an installation.
