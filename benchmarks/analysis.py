@@ -158,14 +158,16 @@ def ratio(above: Sequence[float], below: Sequence[float]) -> Spread | None:
 def summary(runs: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """Return the numbers of a method's rounds, as lists over them, and the curve of the means.
 
-    `goal`: seconds to `GOAL`; `quiet`: the same if it had no bias. The curve has the numbers of samples that all rounds
-    have rendered.
+    `goal`: seconds to `GOAL`; `quiet`: the same if it had no bias. The curve has a point for each number of samples,
+    the mean of the rounds that have it.
     """
     curves = [run["curve"] for run in runs]
-    levels = [{point["spp"]: point for point in curve} for curve in curves]
+    levels: dict[int, list[dict[str, float]]] = {}
+    for point in (point for curve in curves for point in curve):
+        levels.setdefault(int(point["spp"]), []).append(point)
     mean_curve = [
-        {key: float(np.mean([level[spp][key] for level in levels])) for key in ("seconds", "relmse", "noise")}
-        for spp in sorted(set.intersection(*map(set, levels)))
+        {key: float(np.mean([point[key] for point in level])) for key in ("seconds", "relmse", "noise")}
+        for _, level in sorted(levels.items())
     ]
     goals = [time_to_goal(curve) for curve in curves]
     return {

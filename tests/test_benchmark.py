@@ -133,15 +133,17 @@ def test_a_curve_is_the_mean_at_equal_samples() -> None:
     """Rounds may end at other numbers: a mean of 32 and 64 samples would say nothing of either."""
     rounds = [
         {
-            "curve": [point | {"efficiency": 1.0} for point in curve(samples, 0.0, 1.0)],
+            "curve": [
+                point | {"seconds": slow * point["seconds"], "efficiency": 1.0}
+                for point in curve(samples, 0.0, 1.0)
+            ],
             "samples": 1,
             "peak": 1,
+            "version": "1",
         }
-        for samples in ([8, 32], [8, 16, 32, 64])
+        for slow, samples in ((1, [8, 32]), (3, [8, 16, 32, 64]))
     ]
-    for one in rounds:
-        one["version"] = "1"
-    assert [point["seconds"] for point in analysis.summary(rounds)["curve"]] == [8, 32]
+    assert [point["seconds"] for point in analysis.summary(rounds)["curve"]] == [16, 48, 64, 192]
 
 
 # --- What a peer's process does ---
