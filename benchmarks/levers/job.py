@@ -4,7 +4,7 @@
 
 JOB.json holds `scene` (see benchmarks/scenes.py), `model`, `lever` (its name; "" for all of them), `spp` and `folder`.
 Writes into `told.json`: `efficiency`, of a pair of pictures, whatever is precomputed for each of them included; and
-with all levers `where` its time goes.
+with all levers `where` its time goes, and where its `noise` comes from.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ import nephrite  # noqa: F401 (before Mitsuba)
 import mitsuba as mi  # isort: skip
 import numpy as np
 
+from benchmarks.levers import noise
 from benchmarks.levers.patches import LEVERS
 from benchmarks.levers.where import where
 from benchmarks.peers.mitsuba import load
@@ -37,9 +38,9 @@ def main() -> None:
             lever.take_away()
             settings |= dict(lever.settings)
 
-    def picture(seed: int, spp: int = job["spp"]) -> np.ndarray:
+    def picture(seed: int, spp: int = job["spp"], **more: Any) -> np.ndarray:
         # a new integrator each time: what it precomputes is a part of the picture
-        integrator: Any = mi.load_dict(settings)
+        integrator: Any = mi.load_dict(settings | more)
         return mi.render(scene, integrator=integrator, spp=spp, seed=seed).numpy()[..., :3]
 
     told: dict[str, Any] = {}
@@ -50,7 +51,11 @@ def main() -> None:
     start = time.perf_counter()
     a, b = picture(1), picture(2)
     seconds = (time.perf_counter() - start) / 2
-    told["efficiency"] = errors.efficiency(a, b, seconds, object_mask(scene))
+    mask = object_mask(scene)
+    told["efficiency"] = errors.efficiency(a, b, seconds, mask)
+    if not job["lever"]:
+        told["noise"] = noise.of_terms(lambda seed, terms: picture(seed, terms=terms), mask)
+        told["noise"]["place on the lamp"] = noise.of_lamps(scene) / job["spp"]
     (Path(job["folder"]) / "told.json").write_text(json.dumps(told), encoding="utf-8")
 
 

@@ -34,7 +34,12 @@ def write(target: Path, found: Mapping[str, Told], settings: Mapping[str, Any]) 
     for model, runs in found.items():
         parts += [f"## {words.TITLES[model]}", table(("lever", "without it", "worth"), _rows(model, runs))]
     parts += ["## Where the time goes", *(paragraph(part) for part in words.WHERE.strip().split("\n\n"))]
-    parts += [table(*_times(found)), words.DROPPED.strip(), words.AGAIN.strip()]
+    parts += [table(*_times(found))]
+    parts += [
+        "## Where the noise comes from",
+        *(paragraph(part) for part in words.NOISE.strip().split("\n\n")),
+    ]
+    parts += [table(*_noise(found)), words.DROPPED.strip(), words.AGAIN.strip()]
     target.parent.mkdir(parents=True, exist_ok=True)
     target.write_text("\n\n".join(parts) + "\n", encoding="utf-8")
     return target
@@ -56,6 +61,16 @@ def _rows(model: str, runs: Told) -> list[list[str]]:
         spread = f" ({least:.2f} to {largest:.2f})" if len(runs[lever.name]) > 1 else ""
         rows.append([lever.title, lever.instead, f"x {mean:.2f}{spread}"])
     return rows
+
+
+def _noise(found: Mapping[str, Told]) -> tuple[list[str], list[list[str]]]:
+    """Return the head and the rows of the table of noise, a column for each model."""
+    of = {model: [told["noise"] for told in runs[""]] for model, runs in found.items()}
+    rows = [
+        [term, *(f"{statistics.fmean(noise[term] for noise in each):.5f}" for each in of.values())]
+        for term in next(iter(of.values()))[0]
+    ]
+    return ["", *(f"`{model}`" for model in found)], rows
 
 
 def _times(found: Mapping[str, Told]) -> tuple[list[str], list[list[str]]]:

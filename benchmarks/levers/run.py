@@ -43,7 +43,8 @@ def main() -> None:
     settings: dict[str, Any] = dict(QUICK if quick else FULL)
     settings["rounds"] = given.rounds or settings["rounds"]
     folder = runner.ROOT / ("out/bench-quick" if quick else "out/bench")
-    store, sources = Store(folder), runner.sources("levers/job.py", "levers/patches.py", "levers/where.py")
+    store = Store(folder)
+    sources = runner.sources(*(f"levers/{name}.py" for name in ("job", "patches", "where", "noise")))
     width, height = (int(side) for side in settings["resolution"].split("x"))
     b1 = next(scene for scene in scenes.SCENES if scene.name == "b1")
     described = scenes.described(b1, (width, height), folder / "meshes")

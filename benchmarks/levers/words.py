@@ -24,6 +24,17 @@ NumPy. Rays of `transport` include those of its walks. Compiling is what an empt
 process finds them there.
 """
 
+NOISE = """
+Each term rendered alone: the variance of a picture over the squared mean of all light, over the object's pixels. What
+is precomputed is a part of it, as it differs from picture to picture. *Place on the lamp*: what each place of the lamp
+would bring to what the camera sees, its variance over the squared mean, were nothing in the way.
+
+So what lamps sampled by solid angle could gain is the last row, at most. What connections of single scattering to lamps
+could gain that are refracted at the surface is the noise of `single`, at most. Each would be found by iteration, a ray
+for every step of it; and where several points of a curved surface refract a lamp's light to one point inside, all of
+them would have to be found, or light be lost. Neither has been built.
+"""
+
 DROPPED = """
 ## Tried and not kept
 
@@ -33,6 +44,9 @@ No command repeats these, as their code is gone; so here are no figures.
   and none of its time. They were the cheap ones: short rays far from any triangle.
 - *More turns toward lamps, or a sharper lobe*: single scattering gets less noisy, what scatters again more so. In thick
   parts all guiding loses.
+- *Turns and free paths stretched toward the face that the walk has entered by* (Dwivedi's guiding), at the strength
+  that the albedo of skim milk asks for: shorter walks, and more noise than they save; at twice the strength, far more.
+  A walk that is nearly white gets out of everything, and few of its events are near a flat face.
 - *Compacting long tails* into full vectors: nothing beside lanes that start their next path; vectors of 4 and 8 lanes
   in place of 16 neither.
 - *Walks of `transport` that also begin where light falls*: it would depend on the light, for no less relative noise.
