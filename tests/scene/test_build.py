@@ -11,6 +11,7 @@ import pytest
 from nephrite import materials
 from nephrite.errors import ParameterError
 from nephrite.physics.medium import Medium
+from nephrite.plugins.media import identity
 from nephrite.scene import build, named
 from nephrite.scene.translucent import object_mask, translucent_shapes
 
@@ -160,15 +161,17 @@ def scene_fov(scene: mi.Scene) -> float:
     return float(mi.traverse(scene.sensors()[0])["x_fov"].numpy()[0])
 
 
-def test_the_shapes_of_a_scene_file_keep_their_order(tmp_path: Path) -> None:
+def test_the_shapes_of_a_scene_file_keep_their_order_and_numbers(tmp_path: Path) -> None:
+    """With other numbers Dr.Jit would compile another kernel, each time that a scene is loaded."""
     lamp = '<shape type="{kind}" id="{name}"><emitter type="area"/></shape>'
     lamps = [
         lamp.format(kind=kind, name=f"lamp{n}") for n, kind in enumerate(("cube", "rectangle", "sphere") * 3)
     ]
     text = SCENE.format(inside=FOGGY).replace("<emitter", "".join(lamps) + "<emitter")
     path = scene_file(tmp_path, text)
-    for _ in range(4):
-        assert [shape.id() for shape in build.load_xml(path).shapes()] == [
-            "ball",
-            *(f"lamp{n}" for n in range(9)),
-        ]
+    scenes = [
+        build.load_xml(path) for _ in range(10)
+    ]  # all of them are kept, so that no number is given twice
+    for scene in scenes:
+        assert [shape.id() for shape in scene.shapes()] == ["ball", *(f"lamp{n}" for n in range(9))]
+        assert np.all(np.diff([identity(shape) for shape in scene.shapes()]) > 0)

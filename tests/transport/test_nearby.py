@@ -82,3 +82,11 @@ def test_in_the_mean_what_is_looked_up_beside_a_point_is_smooth_in_it():
     found = nearby.points[_beside(nearby, line, np.ones(len(x)), 1 << 14)][..., 0].mean(axis=1)
     assert np.abs(found - x).max() < 0.03 * REACH
     assert np.abs(np.diff(found)).max() < 2 * (x[1] - x[0])
+
+
+def test_vectors_are_gathered_from_where_it_is_done_at_once():
+    """Dr.Jit does so at multiples of 64 bytes; elsewhere by another kernel, which chance has compiled anew."""
+    kept = [Nearby([(*_surface(count=20), REACH)]) for _ in range(10)]
+    for nearby in kept:
+        for table in (nearby._place, nearby._layout):
+            assert np.array(table, copy=False).ctypes.data % 64 == 0

@@ -66,7 +66,7 @@ class Loaded:
             "emitter": {"type": "area", "radiance": {"type": "rgb", "value": 1.0}},
             "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": 0.0}},
         }
-        return mi.load_dict(described, optimize=build.OPTIMIZE)
+        return mi.load_dict(described, **build.LOADING)
 
     @cached_property
     def mask(self) -> NDArray[np.bool_]:

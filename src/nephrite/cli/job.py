@@ -160,7 +160,7 @@ class Subject:
                 up=settings.up,
                 **settings.method(),
             ),
-            optimize=build.OPTIMIZE,
+            **build.LOADING,
         )
         assert isinstance(scene, mi.Scene)
         return scene

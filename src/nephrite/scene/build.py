@@ -20,7 +20,9 @@ if TYPE_CHECKING:
 
 EXITS = ("lobe", "exact")
 TERMS = ("reduced", "single", "multiple")
-OPTIMIZE = False  # Mitsuba's merging puts lights in an order that differs each time, and so does the noise
+# Mitsuba's merging puts lights in an order that differs each time, and so does the noise; loading side by side gives
+# objects numbers that differ, and so do the kernels, which are compiled anew.
+LOADING = {"optimize": False, "parallel": False}
 OBJECT = "object"  # the name of the mesh in the scenes built here
 
 
@@ -136,7 +138,7 @@ def load_xml(path: str | Path, resolution: tuple[int, int] | None = None) -> mi.
     if not path.is_file():
         raise ParameterError(f"there is no scene file {str(path)!r}")
     try:
-        scene = mi.load_file(str(path), optimize=OPTIMIZE)
+        scene = mi.load_file(str(path), **LOADING)
     except (RuntimeError, ValueError, TypeError) as error:
         raise ParameterError(f"Mitsuba cannot load the scene {str(path)!r}: {error}") from error
     if not isinstance(scene, mi.Scene):

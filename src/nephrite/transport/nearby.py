@@ -42,8 +42,10 @@ class Nearby:
         self._n = mi.Float(self.normals.astype(np.float32).ravel())
         self._starts = mi.UInt32(np.concatenate(starts).astype(np.uint32))
         table = np.array(columns)
-        self._place = mi.Float(table[:, :4].astype(np.float32).ravel())
-        self._layout = mi.Int32(table[:, 4:].astype(np.int32).ravel())
+        # lists: Dr.Jit copies them to where it gathers four numbers at once. NumPy's memory may lie elsewhere, and then
+        # kernels are others, and compiled anew whenever chance has it
+        self._place = mi.Float(table[:, :4].ravel().tolist())
+        self._layout = mi.Int32(table[:, 4:].astype(int).ravel().tolist())
         dr.eval(self._p, self._n, self._starts, self._place, self._layout)
 
     def nearest(self, which: Any, p: Any, n: Any, active: Any) -> Any:
