@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from nephrite.transport.counted import Walks
+from nephrite.transport.grids import Grids
 from nephrite.transport.nodes import interpolation
 from nephrite.transport.pyramid import Pyramid
 from support import nodes
@@ -32,7 +33,9 @@ def _walks(points, seed, along=0.0, begun=EACH):
 
 
 def _operator(plane, seed, along=0.0):
-    return Pyramid.of(*plane, SPACING, FREE, _walks(plane[0], seed, along), np.full(len(plane[0]), EACH))
+    return Pyramid.of(
+        Grids.over(*plane, SPACING), FREE, _walks(plane[0], seed, along), np.full(len(plane[0]), EACH)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +64,7 @@ def test_where_more_walks_begin_no_more_light_arrives(plane):
     points = plane[0]
     begun = np.where(points[:, 0] > 0, 128, 32)
     walks = _walks(points, 7, begun=begun)
-    found = Pyramid.of(*plane, SPACING, FREE, walks, begun).apply(_arriving(points, 1.0))[:, 0]
+    found = Pyramid.of(Grids.over(*plane, SPACING), FREE, walks, begun).apply(_arriving(points, 1.0))[:, 0]
     inner = np.abs(points[:, 1]) < 0.6
     for low, high in ((-0.6, -0.2), (-0.2, 0.2), (0.2, 0.6)):
         strip = inner & (points[:, 0] >= low) & (points[:, 0] < high)
@@ -80,7 +83,7 @@ def test_what_comes_of_the_light_that_scatters_twice_is_smooth_where_its_share_i
     exact = np.bincount(walks.start, carried, len(points)) / EACH
     walks.weight = (carried * second[walks.start] * np.ones((3, 1))).astype(np.float32)
     begun = np.full(len(points), EACH)
-    operator = Pyramid.of(*plane, SPACING, FREE, walks, begun, second[:, None] * np.ones(3))
+    operator = Pyramid.of(Grids.over(*plane, SPACING), FREE, walks, begun, second[:, None] * np.ones(3))
     found = operator.apply(_arriving(points, 1.0))[:, 0, 0]
     inner = np.abs(points[:, 1]) < 0.7
     for low in np.arange(-0.6, 0.6, 0.1):
@@ -104,7 +107,7 @@ def test_an_edge_of_light_is_where_the_walks_take_it(plane):
     points = plane[0]
     walks = _walks(points, 4)
     lit = (points[:, 0] > 0).astype(float)
-    found = Pyramid.of(*plane, SPACING, FREE, walks, np.full(len(points), EACH)).apply(
+    found = Pyramid.of(Grids.over(*plane, SPACING), FREE, walks, np.full(len(points), EACH)).apply(
         _arriving(points, lit)
     )[:, 0, 0]
     exact = np.bincount(walks.start, walks.weight[0] * lit[walks.end], len(points)) / EACH

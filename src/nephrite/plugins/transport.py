@@ -11,6 +11,7 @@ linear part of the lobe's memory (see `nephrite.bssrdf.lobe`) to the light and t
 from __future__ import annotations
 
 import copy
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,6 +26,7 @@ from nephrite.plugins.lookup import Lookup
 from nephrite.plugins.seen import seen
 from nephrite.plugins.settings import NO_LIMIT
 from nephrite.transport.counted import Walks, joined
+from nephrite.transport.grids import Grids
 from nephrite.transport.limit import limit
 from nephrite.transport.pyramid import Pyramid
 
@@ -40,14 +42,19 @@ _SEEDS = 1 << 10  # that a render has for itself: more than walks are made in tu
 class Surface:
     """One translucent shape: its nodes, outward normals and their spacing, and what walks carry between the nodes.
 
-    `lost`: share of the light that other objects inside took.
+    `lost`: share of the light that other objects inside took; `counting`: what is carried, or will be.
     """
 
     points: NDArray
     normals: NDArray
     spacing: float
-    operator: Pyramid
     lost: float
+    counting: Future[Pyramid]
+
+    @property
+    def operator(self) -> Pyramid:
+        """What is carried, once that has been counted."""
+        return self.counting.result()
 
 
 def shared(walks: int, shown: NDArray) -> NDArray:
@@ -84,16 +91,19 @@ class Transport:
         if sensor is not None:
             shown = seen(scene, sensor, self.lookup, seed)
         self.surfaces: list[Surface] = []
+        beside = ThreadPoolExecutor(1)  # NumPy works there while kernels run, or are compiled
         for number, ((entry, shape), (*_, spacing)) in enumerate(zip(members, layouts, strict=True)):
             begun = shared(walks, shown[self.lookup.own(number)])
-            self.surfaces.append(self._walk(scene, entry, shape, number, spacing, begun))
+            self.surfaces.append(self._walk(scene, entry, shape, number, spacing, begun, beside))
+        beside.shutdown(wait=False)
         self._values = dr.zeros(mi.Float, 12 * len(self.lookup.points))
 
     def _walk(
-        self, scene: Any, entry: Any, shape: Any, number: int, spacing: float, begun: NDArray
+        self, scene: Any, entry: Any, shape: Any, number: int, spacing: float, begun: NDArray, beside: Executor
     ) -> Surface:  # fmt: skip
         own = self.lookup.own(number)
         points, normals = self.lookup.points[own], self.lookup.normals[own]
+        grids = beside.submit(Grids.over, points, normals, spacing)
         at = at_nodes(points, normals)
         starts = np.repeat(np.arange(len(points), dtype=np.uint32), begun)
         parts: list[Walks] = []
@@ -105,8 +115,8 @@ class Transport:
             second = second + np.stack(twice, axis=1) / begun[:, None]
             lost += float(np.sum(np.array(dr.max(ends.lost)) / begun[start])) / len(points)
         free, shares = float(free_paths(entry).min()), second if self._relative else None
-        operator = Pyramid.of(points, normals, spacing, free, joined(parts), begun, shares)
-        return Surface(points, normals, spacing, operator, lost)
+        counting = beside.submit(lambda: Pyramid.of(grids.result(), free, joined(parts), begun, shares))
+        return Surface(points, normals, spacing, lost, counting)
 
     def _between_nodes(self, ends: walked.Ends, number: int, start: NDArray) -> Walks:
         """Return the walks that brought something, from node to node of a surface; they began at `start`."""
@@ -134,7 +144,7 @@ class Transport:
             found = gathered.indirect(s, scene, media, at, sensitivity, paths, seed)
             return self._carry([a + b for a, b in zip(connected, found, strict=True)])
 
-        rounds = [self._carry(connected)]
+        rounds = [np.zeros((len(self.lookup.points), 4, dr.size_v(mi.Spectrum)))]
         for _ in range(ROUNDS):  # the same random numbers in each: what it makes of the one before is linear
             rounds.append(next_round(rounds[-1], PATHS_IN_TURN, self._seed + 1))
         paths = min(max(PATHS * self.walks // 1_000_000, PATHS), MOST_PATHS)

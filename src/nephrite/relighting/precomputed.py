@@ -21,7 +21,8 @@ from nephrite.plugins.kept import LOST
 from nephrite.plugins.media import WALK, Media
 from nephrite.plugins.transport import Transport
 from nephrite.plugins.winding import triangles
-from nephrite.transport.pyramid import GRIDS, Pyramid
+from nephrite.transport.grids import GRIDS
+from nephrite.transport.pyramid import Pyramid
 
 FORMAT = "nephrite transport 2"
 

@@ -22,17 +22,16 @@ from scipy import sparse
 
 from nephrite.transport.counted import Cells, Walks, kernels, levels
 from nephrite.transport.frames import frames, turned, turning
-from nephrite.transport.nodes import REACH, interpolation, smoothing, spread
+from nephrite.transport.grids import GRIDS, Grids
 
 MEANS = ((0, 1, 2), (3,), (4,), (5,))
-"""Levels of distance whose walks are counted between the cells of each grid: the nodes, cells of 2, 4, 8 spacings."""
+"""Levels of distance whose walks are counted between the cells of each grid: see `grids`."""
 
 MOMENTS = ((), (), (0, 1, 2), (3, 4, 5))
 """The same for what is remembered of directions; one grid finer on objects of fewer than `FEW` nodes."""
 
 FEW = 10_000
 
-GRIDS = len(MEANS)
 AROUND = 2  # grids coarser: how far off neighbours are that should get as much in even light
 EVENED = GRIDS - AROUND
 COARSE = GRIDS - 1  # grid for light that has been scattered by several surfaces
@@ -82,30 +81,17 @@ class Pyramid:
 
     @classmethod
     def of(
-        cls,
-        points: NDArray,
-        normals: NDArray,
-        spacing: float,
-        free: float,
-        walks: Walks,
-        begun: NDArray,
-        second: NDArray | None = None,
-    ) -> Pyramid:
+        cls, grids: Grids, free: float, walks: Walks, begun: NDArray, second: NDArray | None = None
+    ) -> Pyramid:  # fmt: skip
         """Count `walks`, of which so many have `begun` at each node.
 
-        Nodes are at `points`, with `normals`, and keep the distance `spacing`; `free`: the least mean free path. With
-        `second`, the share of light that scatters twice, [nodes, channels], T is relative to it: what is seen for all
-        of the light that does.
+        `free`: the least mean free path. With `second`, the share of light that scatters twice, [nodes, channels], T is
+        relative to it: what is seen for all of the light that does.
         """
-        level = levels(walks.length, free)
-        with ThreadPoolExecutor(1) as beside:
-            smoothed = beside.submit(smoothing, points, normals, spacing)
-            ups, facing = _grids(points, normals, spacing)
-            smooth = smoothed.result()
-        shares = np.ones((len(points), 1)) if second is None else _without_noise(second, smooth)
-        cells = [Cells(np.arange(len(points)), shares, np.ones(len(points)))]
-        for up in ups:
-            nearest = np.asarray(up.argmax(axis=1)).ravel()[cells[-1].nearest]
+        level, normals = levels(walks.length, free), grids.facing[0]
+        shares = np.ones((len(normals), 1)) if second is None else _without_noise(second, grids.smooth)
+        cells = [Cells(grids.nearest[0], shares, np.ones(len(normals)))]
+        for up, nearest in zip(grids.ups, grids.nearest[1:], strict=True):
             sums = [np.bincount(nearest, channel, up.shape[1]) for channel in shares.T]
             cells.append(Cells(nearest, np.stack(sums, axis=1), up.T @ cells[-1].mass))
 
@@ -117,18 +103,24 @@ class Pyramid:
             own, far = known.chosen(chosen), level[chosen] > 0
             ends = [own.back, own.out]
             if directed:
-                turns = turned(facing[grid][cells[grid].nearest], normals).astype(np.float32)
+                turns = turned(grids.facing[grid][grids.nearest[grid]], normals).astype(np.float32)
                 ends = [
                     np.einsum("nkj,jn->kn", turns[node], direction)
                     for node, direction in ((own.start, own.back), (own.end, own.out))
                 ]
             return kernels(own, far, cells[grid], begun, *ends)
 
-        remembered = (*MOMENTS[1:], ()) if len(points) < FEW else MOMENTS
+        remembered = (*MOMENTS[1:], ()) if len(normals) < FEW else MOMENTS
         with ThreadPoolExecutor(_AT_ONCE) as pool:
             means = [pool.submit(counted, grid, MEANS[grid], False) for grid in range(GRIDS)]
             moments = [pool.submit(counted, grid, remembered[grid], True) for grid in range(GRIDS)]
-        return cls(ups, facing, [one.result() for one in means], [one.result() for one in moments], smooth)
+        return cls(
+            grids.ups,
+            grids.facing,
+            [one.result() for one in means],
+            [one.result() for one in moments],
+            grids.smooth,
+        )
 
     def apply(self, arriving: NDArray) -> NDArray:
         """Return what is seen at the nodes, [nodes, 4, channels], of what arrives there.
@@ -202,18 +194,6 @@ class Pyramid:
                 total = total + (down @ fine) @ self.means[grid][channel] @ (fine.T @ up)
             found.append(total.toarray())
         return found
-
-
-def _grids(points: NDArray, normals: NDArray, spacing: float) -> tuple[list[Any], list[NDArray]]:
-    """Return `ups` and `facing` of a `Pyramid`."""
-    ups, facing = [], [normals]
-    for grid in range(1, GRIDS):
-        width = 2**grid * spacing
-        centres = spread(points, facing[-1], width)
-        ups.append(interpolation(points, facing[-1], points[centres], facing[-1][centres], REACH * width))
-        points = points[centres]
-        facing.append(facing[-1][centres])
-    return ups, facing
 
 
 def _without_noise(shares: NDArray, smooth: Any) -> NDArray:
