@@ -145,7 +145,7 @@ def results() -> Results:
             Point(0.0, {"walk": numbers(1.0)}),
             Point(0.9, {"walk": numbers(3.0) | {"similarity": similarity | {"worst_error": 0.01}}}),
         ],
-        first=[(command(11.0, cold=True), BLACK), (command(9.0, cold=False), BLACK)],
+        first=[(command(13.0, cold=True), BLACK), (command(9.0, cold=False), BLACK)],
     )  # fmt: skip
 
 
@@ -167,8 +167,9 @@ def test_what_was_asked_stands_beside_what_was_measured() -> None:
     assert (
         found["g 0 -> 0.9: `walk`"][1] == "not used; from the first event on its error would be 5.0 ± 0.2 %"
     )
-    assert found["first picture, the slowest: `walk`"][1:] == ["11.0 s", "yes"]
-    assert found["first picture, the slowest: `transport`"][1:] == ["-", "-"]
+    assert found["first picture, the slowest: `walk`, kernels kept"][1:] == ["9.0 s", "yes"]
+    assert found["first picture, the slowest: `walk`, no kernels kept"][1:] == ["13.0 s", "**no**"]
+    assert found["first picture, the slowest: `transport`, kernels kept"][1:] == ["-", "-"]
 
 
 def test_nothing_is_said_of_growth_that_was_not_measured_to_its_end() -> None:
