@@ -32,16 +32,16 @@ from nephrite.atlas.compared import difference
 ROOT = runner.ROOT
 SECTIONS = ("first", "resolution", "triangles", "size", "g")
 DRAGONS = ("dragon-tiny", "dragon-small", "dragon", "dragon-full")
-# spp: samples of a picture; few: of pictures that take long; clean: that `transport` and the denoiser need
+# spp: samples of a picture; few: of pictures that take long; good: that `transport` and the denoiser need
 FULL = {
     "resolution": (400, 300), "spp": 8, "dragons": DRAGONS, "sizes": (10.0, 30.0, 100.0, 300.0, 1000.0),
     "gs": (0.0, 0.5, 0.9), "pictures": ((400, 300), (1920, 1080), (3840, 2160)), "time": "7s", "repeats": 2,
-    "few": 2, "clean": 4,
+    "few": 2, "good": 4,
 }  # fmt: skip
 QUICK = {
     "resolution": (100, 75), "spp": 2, "dragons": DRAGONS[:2], "sizes": (10.0, 1000.0),
     "gs": (0.0, 0.9), "pictures": ((80, 60), (160, 120)), "time": "2s", "repeats": 1,
-    "few": 2, "clean": 2,
+    "few": 2, "good": 2,
 }  # fmt: skip
 LARGEST = 6e4  # what is kept of a firefly: half precision ends there
 B1 = scenes.SCENES[0]
@@ -95,7 +95,7 @@ class Growth:
     def first(self) -> list[tuple[Numbers, NDArray[np.uint8]]]:
         """Return times of first pictures, and these: without kernels that were compiled before, and with them."""
         runs = []
-        ways = {"walk": ["--time", self.plan["time"]], "transport": ["--spp", str(self.plan["clean"])]}
+        ways = {"walk": ["--time", self.plan["time"]], "transport": ["--spp", str(self.plan["good"])]}
         for model, until in ways.items():
             for number in range(self.plan["repeats"]):
                 for cold in (True, False):

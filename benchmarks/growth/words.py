@@ -50,7 +50,7 @@ before.
 
 ```
 nephrite render dragon --material "skim milk" --light benchmark --resolution {resolution} --model walk --time {time}
-nephrite render dragon --material "skim milk" --light benchmark --resolution {resolution} --model transport --spp {clean}
+nephrite render dragon --material "skim milk" --light benchmark --resolution {resolution} --model transport --spp {good}
 ```
 
 `walk` has blotches of colour, as each of its few samples tells of little more than one colour. `transport` has none of
