@@ -23,7 +23,7 @@ class Directional:
     """The chosen variant of the model, for materials numbered from 1."""
 
     def __init__(self, entries: list[Any], model: str) -> None:
-        """Hold what is needed of `media.Entry` objects."""
+        """Hold what is needed of `entry.Entry` objects."""
         self._constants = [(entry.eta, entry.g, entry.boundary) for entry in entries]
         self._make = MODELS[model]
 

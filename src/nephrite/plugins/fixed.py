@@ -19,7 +19,7 @@ class Measured(Kernels):
     """One profile, or one for each channel, under all surfaces; it gives up what leaves after one event."""
 
     def __init__(self, entries: list[Any], profiles: tuple[MeasuredProfile, ...]) -> None:
-        """Hold the profiles, in mm, for `media.Entry` objects."""
+        """Hold the profiles, in mm, for `entry.Entry` objects."""
         super().__init__([fixed.measured(profiles)])
         self._length = _channels([profile.reach() / fixed.PER_REACH for profile in profiles])
         self._total = _channels([profile.albedo() for profile in profiles])
@@ -41,7 +41,7 @@ class Slabs(Kernels):
     """The multipole for plates and sheets of a given thickness: rows by reduced albedo and by thickness."""
 
     def __init__(self, entries: list[Any], thickness: float) -> None:
-        """Make the tables for `media.Entry` objects; `thickness` in mm."""
+        """Make the tables for `entry.Entry` objects; `thickness` in mm."""
         self._thickness = mi.Float([thickness / entry.unit for entry in entries])
         tables, firsts, nodes = [], [0], []
         for entry, across in zip(entries, self._thickness, strict=True):

@@ -100,7 +100,7 @@ class HalfSpaces(Kernels):
     """Kernels of a diffusion model in `nephrite.profiles.models`, by reduced albedo."""
 
     def __init__(self, entries: list[Any], model: str) -> None:
-        """Look up the tables for `media.Entry` objects."""
+        """Look up the tables for `entry.Entry` objects."""
         self.finite = models.find(model).finite
         super().__init__([kernel.tabulated(model, entry.eta, entry.g) for entry in entries])
 

@@ -26,7 +26,7 @@ class Lookup:
     """The nodes of all surfaces, one after the other, and the tables of their materials."""
 
     def __init__(self, members: list[tuple[Any, Any]], layouts: list[Layout]) -> None:
-        """Hold the nodes of `members`, pairs of `media.Entry` and shape; the nodes' order is that of `points`."""
+        """Hold the nodes of `members`, pairs of `entry.Entry` and shape; the nodes' order is that of `points`."""
         self.nearby = Nearby([(points, normals, REACH * spacing) for points, normals, spacing in layouts])
         self.points, self.normals = self.nearby.points, self.nearby.normals
         self.at = at_nodes(self.points, self.normals)

@@ -8,7 +8,6 @@ knows its material by that number, and looks up here what it needs of it.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
 from typing import Any
 
 import drjit as dr
@@ -16,103 +15,17 @@ import mitsuba as mi
 import numpy as np
 
 from nephrite.bssrdf import lobe
-from nephrite.errors import ParameterError
-from nephrite.physics import fresnel
-from nephrite.physics.color import ColorMap, color_map
-from nephrite.physics.single import single_scattering_share
-from nephrite.plugins import directional
+from nephrite.plugins import directional, survey
 from nephrite.plugins.directional import Directional
+from nephrite.plugins.entry import Entry
 from nephrite.plugins.field import Field
 from nephrite.plugins.fixed import Measured, Slabs
 from nephrite.plugins.kernels import HalfSpaces
-from nephrite.plugins.shapes import surface_points
 from nephrite.plugins.winding import Winding
 from nephrite.profiles.measured import MeasuredProfile
 
 WALK, JUMP, LOCAL, LOW, TRANSPORT = range(5)
 """What is computed under a surface."""
-
-_PHASES = ("isotropic", "hg")
-_POINTS = 256
-
-
-@dataclass
-class Entry:
-    """One translucent material: its surface, constants, and where its coefficients come from.
-
-    `surface`: the Mitsuba BSDF of a rough (or tinted) interface, None for a smooth clear one.
-    """
-
-    name: str
-    g: float
-    eta: float
-    surface: Any | None
-    bsdf: Any | None = None
-    medium: Any | None = None
-    owner: Any | None = None  # keeps a smooth dielectric alive, by whose identity the entry is found again
-    shapes: list[Any] = field(default_factory=list)
-    least_reach: float = 0.0
-
-    def coefficients(self, si: Any, active: Any) -> tuple[Any, Any]:
-        """Return sigma_a and sigma_s per scene unit."""
-        if self.bsdf is not None:
-            return self.bsdf.coefficients(si, active)
-        mei = dr.zeros(mi.MediumInteraction3f, dr.width(si.p))
-        mei.p, mei.wavelengths = si.p, si.wavelengths
-        medium: Any = self.medium
-        sigma_s, _, sigma_t = medium.get_scattering_coefficients(mei, active)
-        return dr.maximum(sigma_t - sigma_s, 0.0), sigma_s
-
-    def sampled_coefficients(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return sigma_a and sigma_s, per scene unit, at random points of the first shape: (points or 1, channels)."""
-        sampler = mi.load_dict({"type": "independent"})
-        sampler.seed(0, _POINTS)
-        si = surface_points(self.shapes[0], sampler.next_2d(), sampler.next_1d())
-        absorbed, scattered = self.coefficients(si, mi.Bool(True))
-        return np.array(absorbed).T, np.array(scattered).T
-
-    def mean_coefficients(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return sigma_a and sigma_s, per scene unit, per channel, averaged over the first shape."""
-        absorbed, scattered = self.sampled_coefficients()
-        return absorbed.mean(axis=0, dtype=np.float64), scattered.mean(axis=0, dtype=np.float64)
-
-    def emitted(self, si: Any, active: Any) -> Any:
-        """Return the volumetric emission per scene unit."""
-        return self.bsdf.emitted(si, active) if self.bsdf is not None else mi.Spectrum(0.0)
-
-    @property
-    def unit(self) -> float:
-        """Length of a scene unit in millimetres; 1 for Mitsuba's own media, which know of none."""
-        return self.bsdf.unit if self.bsdf is not None else 1.0
-
-    @property
-    def boundary(self) -> float:
-        """The dipole's A."""
-        return fresnel.boundary_factor(self.eta)
-
-    @property
-    def colors(self) -> ColorMap:
-        """What a thick flat piece sends out."""
-        return self.bsdf.colors if self.bsdf is not None else color_map(self.eta, self.g)
-
-    @property
-    def single_share(self) -> float:
-        """Share of light that leaves after one event, per albedo."""
-        return single_scattering_share(self.g, self.eta)
-
-    def reach(self) -> float:
-        """Longest diagonal of the bounding boxes of its shapes."""
-        return max(self.least_reach, *(float(dr.norm(shape.bbox().extents())) for shape in self.shapes))
-
-    @property
-    def varies(self) -> bool:
-        """Whether the coefficients differ from point to point."""
-        return self.bsdf is not None and self.bsdf.varies
-
-    @property
-    def emits(self) -> bool:
-        """Whether the medium emits light."""
-        return self.bsdf is not None and self.bsdf.emission is not None
 
 
 class Media:
@@ -203,18 +116,7 @@ class Media:
     @staticmethod
     def of(scene: Any) -> Media:
         """Survey a scene; raises `ParameterError` for a medium that this integrator does not render."""
-        found: dict[int, Entry] = {}
-        for shape in scene.shapes():
-            _survey(shape, found)
-        grouped = _grouped(scene)
-        for shape in grouped:
-            _survey(shape, found)
-        if grouped:  # instances may be of any size
-            longest = float(dr.norm(scene.bbox().extents()))
-            for entry in found.values():
-                entry.least_reach = longest
-        _refuse_fog(scene)
-        return Media(list(found.values()))
+        return Media(survey.entries(scene))
 
     def number(self, shape: Any) -> Any:
         """Number of the material of a `ShapePtr` array, 0 where light can't enter."""
@@ -301,83 +203,3 @@ def identity(shape: Any) -> int:
     """Return the number by which Mitsuba knows a shape."""
     index: Any = dr.reinterpret_array(mi.UInt32, mi.ShapePtr(shape))
     return int(index[0])
-
-
-def _grouped(scene: Any) -> list[Any]:
-    """Return the shapes in the scene's shape groups, which are rendered by instances."""
-    groups = [child for child in _children(scene) if child.class_name().lower().startswith("shapegroup")]
-    return [shape for group in groups for shape in _children(group) if isinstance(shape, mi.Shape)]
-
-
-def _children(parent: Any) -> list[Any]:
-    found: list[Any] = []
-
-    class Collect(mi.TraversalCallback):
-        def put(self, name: Any, value: Any, *_: Any) -> None:
-            if isinstance(value, mi.Object):
-                found.append(value)
-
-    parent.traverse(Collect())
-    return found
-
-
-def _survey(shape: Any, found: dict[int, Entry]) -> None:
-    bsdf, medium = shape.bsdf(), shape.interior_medium()
-    if bsdf is None:
-        return
-    if hasattr(bsdf, "diffuse_reflectance") and hasattr(bsdf, "coefficients"):
-        key = id(bsdf)
-        entry = found.setdefault(key, Entry(bsdf.name, bsdf.g, bsdf.eta, bsdf.interface, bsdf=bsdf))
-    elif medium is not None:
-        entry = _standard(shape, bsdf, medium, found)
-    else:
-        return
-    entry.shapes.append(shape)
-
-
-def _refuse_fog(scene: Any) -> None:
-    """Raise `ParameterError` for a medium around the objects: one that is the inside of no shape."""
-    interiors = [shape.interior_medium() for shape in scene.shapes()]
-    for shape in scene.shapes():
-        name, medium = shape.id() or "a shape", shape.exterior_medium()
-        if medium is not None and not any(
-            medium == interior for interior in interiors if interior is not None
-        ):
-            raise ParameterError(
-                f"{name} lies in a medium that fills the space around objects: translucent_path renders media inside "
-                "shapes only; use volpathmis for this scene."
-            )
-
-
-def _standard(shape: Any, bsdf: Any, medium: Any, found: dict[int, Entry]) -> Entry:
-    name = shape.id() or "without an id"
-    if not medium.is_homogeneous():
-        raise ParameterError(
-            f"shape {name!r} holds a medium that is not homogeneous: translucent_path renders homogeneous ones "
-            "only; use volpathmis for this scene."
-        )
-    kind = bsdf.class_name().lower()
-    if "dielectric" not in kind or "thin" in kind:
-        raise ParameterError(
-            f"shape {name!r} has an interior medium behind a {bsdf.class_name()}: translucent_path needs a "
-            "dielectric, roughdielectric or translucent BSDF there."
-        )
-    key = hash((id(bsdf), id(medium)))
-    if key in found:
-        return found[key]
-    values = {str(name): value for name, value in mi.traverse(bsdf)}
-    tinted = any(str(key).startswith("specular_") for key in values)
-    smooth = "rough" not in kind and not tinted
-    phase = medium.phase_function()
-    phase_kind = phase.class_name().lower()
-    if not any(known in phase_kind for known in _PHASES):
-        raise ParameterError(
-            f"the medium of shape {name!r} has the phase function {phase.class_name()}: translucent_path knows "
-            "isotropic and hg."
-        )
-    phase_values = {str(name): value for name, value in mi.traverse(phase)}
-    g = float(np.ravel(phase_values["g"])[0]) if "g" in phase_values else 0.0
-    eta = float(np.ravel(values["eta"])[0])
-    entry = Entry(name, g, eta, None if smooth else bsdf, medium=medium, owner=bsdf)
-    found[key] = entry
-    return entry

@@ -80,7 +80,7 @@ class Transport:
         sensor: Any = None,
         relative: bool = True,
     ) -> None:
-        """Lay nodes on `members`, pairs of `media.Entry` and shape, and start about `walks` walks on each shape.
+        """Lay nodes on `members`, pairs of `entry.Entry` and shape, and start about `walks` walks on each shape.
 
         More of them where `sensor` looks, if there is one. `relative`: the operators find V / P, otherwise V alone.
         """

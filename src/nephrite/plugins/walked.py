@@ -57,7 +57,7 @@ class Ends:
 def walk(scene: Any, seed: int, entry: Any, at: Any, shape: Any, begin: Any) -> Ends:
     """Make one walk for each entry of `begin`, from that point of `at`; normals there point outward.
 
-    `entry`: the `media.Entry` of the shape.
+    `entry`: the `entry.Entry` of the shape.
     """
     count = dr.width(begin)
     ends = Ends(count)

@@ -99,7 +99,7 @@ def precompute(scene: Any, walks: int = 1_500_000) -> Precomputed:
 
 
 def surfaces(scene: Any) -> list[tuple[Any, Any]]:
-    """Return the translucent surfaces of a scene: pairs of `media.Entry` and shape.
+    """Return the translucent surfaces of a scene: pairs of `entry.Entry` and shape.
 
     Raises `ParameterError` where there are none, and for those that transport does not hold for.
     """
