@@ -31,7 +31,7 @@ from nephrite.transport.limit import limit
 from nephrite.transport.pyramid import Pyramid
 
 CONNECTIONS = 64  # to lights, per node
-ROUNDS, PATHS_IN_TURN = 4, 2  # of light between surfaces, after that of the lamps; paths per node
+ROUNDS, PATHS_IN_TURN = 4, 2  # of light between surfaces, after the first; paths per node
 PATHS, MOST_PATHS = 8, 64  # of the last round, which is finer: for a million walks, and at most
 _AT_ONCE = 1 << 20  # walks
 _UNSEEN = 0.3  # of the mean share of walks: what begins where no camera looks
@@ -144,8 +144,10 @@ class Transport:
             found = gathered.indirect(s, scene, media, at, sensitivity, paths, seed)
             return self._carry([a + b for a, b in zip(connected, found, strict=True)])
 
-        rounds = [np.zeros((len(self.lookup.points), 4, dr.size_v(mi.Spectrum)))]
-        for _ in range(ROUNDS):  # the same random numbers in each: what it makes of the one before is linear
+        # the same random numbers in each round: what it makes of the one before is linear. The first, of objects that
+        # are still dark, is traced while walks are counted
+        rounds = [next_round(np.zeros((len(self.lookup.points), 4, 3)), PATHS_IN_TURN, self._seed + 1)]
+        for _ in range(ROUNDS):
             rounds.append(next_round(rounds[-1], PATHS_IN_TURN, self._seed + 1))
         paths = min(max(PATHS * self.walks // 1_000_000, PATHS), MOST_PATHS)
         self._put(next_round(limit(rounds), paths, self._seed + 2))
