@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import mitsuba as mi
+import numpy as np
 import pytest
 
 from support import measure
@@ -16,7 +17,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from benchmarks import dipole  # noqa: E402
-from benchmarks.levers import page, patches  # noqa: E402
+from benchmarks.levers import noise, page, patches  # noqa: E402
 from benchmarks.levers.patches import LEVERS, TRANSPORT, WALK, Lever  # noqa: E402
 
 BOTH = [(model, lever) for model, levers in LEVERS.items() for lever in levers]
@@ -85,6 +86,37 @@ def test_the_page_has_all_levers_and_times(tmp_path: Path) -> None:
     assert "| rays a sample: steps and segments | 16.00 | 16.00 |" in text
     assert "| of it Python, NumPy and SciPy, while no kernel runs | 1.00 | 1.00 |" in text
     assert "| single | 0.30000 | 0.30000 |" in text
+
+
+def test_the_noise_of_a_term_is_relative_to_the_light_of_all() -> None:
+    """Means of 1, 2, 5, which are 8 together, and deviations of .1, .2, .5: within 10 %, 7 standard errors."""
+    means = dict(zip(noise.TERMS, (1.0, 2.0, 5.0), strict=True))
+
+    def picture(seed: int, term: str) -> np.ndarray:
+        rng = np.random.default_rng([seed, *map(ord, term)])
+        return means[term] * (1 + 0.1 * rng.standard_normal((100, 100, 1)))
+
+    found = noise.of_terms(picture, np.ones((100, 100), bool))
+    for term, mean in means.items():
+        assert found[term] == pytest.approx((0.1 * mean / 8) ** 2, rel=0.1)
+
+
+@pytest.mark.parametrize(("distance", "least", "most"), [(100.0, 0.0, 1e-4), (1.2, 0.1, 10.0)])
+def test_places_on_a_lamp_differ_where_it_is_near(distance: float, least: float, most: float) -> None:
+    turn = mi.ScalarTransform4f()
+    scene = mi.load_dict({
+        "type": "scene",
+        "sensor": {
+            "type": "perspective", "to_world": turn.look_at(origin=[0, 0, 0.5], target=[0, 0, 0], up=[0, 1, 0]),
+            "film": {"type": "hdrfilm", "width": 8, "height": 8},
+        },
+        "floor": {"type": "rectangle"},
+        "lamp": {
+            "type": "rectangle", "emitter": {"type": "area"},
+            "to_world": turn.translate([0, 0, distance]).rotate([1, 0, 0], 180).scale(3),
+        },
+    })  # fmt: skip
+    assert least <= noise.of_lamps(scene) < most
 
 
 def test_parts_of_a_dipole_are_left_out_and_put_back() -> None:

@@ -53,8 +53,8 @@ nephrite render dragon --material "skim milk" --light benchmark --resolution {re
 nephrite render dragon --material "skim milk" --light benchmark --resolution {resolution} --model transport --spp {good}
 ```
 
-`walk` has blotches of colour, as each of its few samples tells of little more than one colour. `transport` has none of
-them, but takes longer: it precomputes for some seconds, and compiles more.
+`walk` has blotches of colour, as each of its few samples tells of little more than one colour. Those of
+`transport` are faint, but it takes longer: it precomputes for some seconds, and compiles more.
 
 *Kernels kept*: whether Dr.Jit finds those that an earlier process has compiled; without them, it is the first picture
 after an installation.

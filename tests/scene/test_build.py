@@ -169,9 +169,7 @@ def test_the_shapes_of_a_scene_file_keep_their_order_and_numbers(tmp_path: Path)
     ]
     text = SCENE.format(inside=FOGGY).replace("<emitter", "".join(lamps) + "<emitter")
     path = scene_file(tmp_path, text)
-    scenes = [
-        build.load_xml(path) for _ in range(10)
-    ]  # all of them are kept, so that no number is given twice
+    scenes = [build.load_xml(path) for _ in range(10)]  # kept, so that no number is given twice
     for scene in scenes:
         assert [shape.id() for shape in scene.shapes()] == ["ball", *(f"lamp{n}" for n in range(9))]
         assert np.all(np.diff([identity(shape) for shape in scene.shapes()]) > 0)
